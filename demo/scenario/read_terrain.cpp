@@ -1,0 +1,111 @@
+#include <cmath>
+
+#include "demo/scenario/names.h"
+#include "demo/scenario/read_parts.h"
+#include "tilth/source/source_spec.h"
+
+namespace tilth::demo {
+
+namespace {
+
+bool is_power_of_two(double value) {
+    int exponent = 0;
+    return std::frexp(value, &exponent) == 0.5;
+}
+
+void read_heights(TableReader& reader, const std::filesystem::path& folder, TerrainPart& terrain) {
+    const char* const allowed = "a file's path or ridged:..., flat:..., hill:...";
+    const std::string heights = reader.required_string("heights", allowed);
+    if (heights.empty()) return;
+    if (is_procedural(heights)) {
+        terrain.heights = heights;
+        return;
+    }
+    const std::filesystem::path path = folder / heights;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error))
+        reader.wrong("heights", text("no such file: ", path.string(), "; allowed: ", allowed));
+    terrain.heights = path.string();
+}
+
+void read_ground(TableReader& reader, GroundSettings& ground) {
+    ground.mirror = reader.boolean("mirror").value_or(false);
+    ground.spacing_m = reader.number("spacing", {1e-4, 1e5, false, "metres from 0.0001 to 100000"}).value_or(1.0);
+    const Range origin{-1e9, 1e9, false, "metres within 1e9 of zero"};
+    if (const auto at = reader.numbers("origin", 2, 2, origin)) ground.origin = {(*at)[0], (*at)[1]};
+    const Range quantum{std::ldexp(1.0, -40), std::ldexp(1.0, 20), false, "a power of two from 2^-40 to 2^20 metres"};
+    if (const auto value = reader.number("quantum", quantum)) {
+        if (is_power_of_two(*value))
+            ground.quantum_m = value;
+        else
+            reader.wrong("quantum", text("is ", *value, "; allowed: ", quantum.text));
+    }
+    ground.detail = reader.boolean("detail").value_or(true);
+    ground.texels_per_post = static_cast<std::int32_t>(reader.integer("texels_per_post", 1, 64).value_or(3));
+    if (const auto size = reader.integer("tile_size", 64, 16384)) {
+        if (*size % 64 == 0)
+            ground.tile_size = static_cast<std::int32_t>(*size);
+        else
+            reader.wrong("tile_size", text("is ", *size, "; allowed: a multiple of 64 from 64 to 16384"));
+    }
+    if (const auto bits = reader.choice("precision", kPrecisionNames))
+        ground.precision = *bits == 0 ? HeightPrecision::bits32 : HeightPrecision::bits16;
+}
+
+}  // namespace
+
+void read_terrain(TableReader& reader, const std::filesystem::path& folder, TerrainPart& terrain) {
+    terrain.line = reader.line();
+    read_heights(reader, folder, terrain);
+    read_ground(reader, terrain.settings.ground);
+    if (const auto executor = reader.choice("executor", kExecutorNames))
+        terrain.settings.executor = static_cast<ExecutorKind>(*executor);
+    if (const auto slopes = reader.choice("slopes", kSlopeNames))
+        terrain.settings.slopes = *slopes == 0 ? SlopeFormat::rg8 : SlopeFormat::rg16f;
+    reader.empty_list("effects", "effects");
+    reader.not_yet("store", "worlds on disk");
+    reader.not_yet("flush", "a journal");
+    for (const char* key : {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post", "tile_size",
+                            "precision", "executor", "slopes"})
+        if (reader.has(key)) terrain.lines[key] = reader.line_of(key);
+    reader.finish();
+}
+
+void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
+    if (const auto size = reader.numbers("size", 2, 2, {1, double(kMaxPictureSide), false, "pixels from 1 to 16384"})) {
+        if ((*size)[0] != std::floor((*size)[0]) || (*size)[1] != std::floor((*size)[1]))
+            reader.wrong("size", "is not whole; allowed: [width, height], integers from 1 to 16384");
+        else
+            view.width = static_cast<std::int32_t>((*size)[0]), view.height = static_cast<std::int32_t>((*size)[1]);
+    }
+    view.fov_degrees = reader.number("fov", {0.1, 175, false, "degrees from 0.1 to 175"}).value_or(view.fov_degrees);
+    if (const auto backend = reader.choice("backend", kBackendNames)) {
+        view.backend = kBackendNames[*backend];
+        if (*backend != 0) reader.wrong("backend", text("this build does not have '", view.backend, "' yet; allowed: none"));
+    }
+    if (const auto preset = reader.choice("preset", kPresetNames)) view.preset = kPresetNames[*preset];
+    if (const auto c = reader.numbers("clear", 3, 3, {0, 1, false, "linear red, green, blue from 0 to 1"}))
+        view.clear = {float((*c)[0]), float((*c)[1]), float((*c)[2])};
+    view.fog_per_m = reader.number("fog", {0, 10, false, "a density per metre from 0 to 10"}).value_or(0.0);
+    if (const auto l = reader.numbers("light", 3, 3, {-1e6, 1e6, false, "x, y, z of a direction towards the light"})) {
+        if ((*l)[0] == 0 && (*l)[1] == 0 && (*l)[2] == 0)
+            reader.wrong("light", "is [0, 0, 0]; allowed: a direction that is not zero");
+        view.to_light = Vec3d{(*l)[0], (*l)[1], (*l)[2]};
+    }
+    if (const auto t = reader.numbers("tint", 2, 2, kHeight)) view.tint_m = {(*t)[0], (*t)[1]};
+    if (const toml::table* table = reader.table("clipmap", "a table { n, levels, blend }")) {
+        TableReader inner(*table, "clipmap", reader.line_of("clipmap"), reader.problems());
+        if (const auto n = inner.integer("n", 15, 1023)) {
+            if (((*n + 1) & *n) == 0)
+                clipmap.n = static_cast<std::int32_t>(*n);
+            else
+                inner.wrong("n", text("is ", *n, "; allowed: 15, 31, 63, 127, 255, 511 or 1023"));
+        }
+        clipmap.levels = static_cast<std::int32_t>(inner.integer("levels", 1, 16).value_or(clipmap.levels));
+        clipmap.blend = inner.number("blend", {0.02, 0.25, false, "a share from 0.02 to 0.25"}).value_or(clipmap.blend);
+        inner.finish();
+    }
+    reader.finish();
+}
+
+}  // namespace tilth::demo

@@ -1,0 +1,41 @@
+// The statistics of a run, and their JSON form (SCENARIO, "Statistics").
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "demo/stats/frame_times.h"
+#include "tilth/gl/frame_stats.h"
+#include "tilth/ground/ground.h"
+
+namespace tilth::demo {
+
+using Json = nlohmann::ordered_json;
+
+/// Everything that `--stats` writes.
+struct RunReport {
+    std::string route, renderer, gl_version;    ///< "egl" | "osmesa" | "glfw", GL_RENDERER, "4.5"
+    std::string executor, executor_reason;      ///< "gpu" | "cpu": the one that ran, and why
+    StateHash hash;
+    FrameTimes frames;                          ///< of `walk` and `wait`; screenshots are not timed
+    gl::FrameStats total, last_frame;
+    std::uint64_t tiles = 0, gpu_bytes = 0, cpu_bytes = 0;
+    Json queries = Json::array();
+    std::vector<std::string> failures;
+};
+
+/// All keys of SCENARIO. Stages that this build does not have (cache, effects) are zeros.
+Json to_json(const RunReport& report);
+
+/// The value at a path like "last_frame.deform.passes" or "queries.0.1"; nothing if there is none.
+std::optional<Json> value_at(const Json& statistics, std::string_view path);
+
+/// Whether `path` can lead to a number or text in some run's statistics. Queries are only known once they ran.
+bool has_stat(std::string_view path);
+
+}  // namespace tilth::demo

@@ -1,0 +1,72 @@
+// render/terrain.frag: shades the ground by the slope map, and draws the brush cursor on it.
+//   reads   u_slopes   RG8 companded or (SLOPES_RG16F) RG16F   dh/dx, dh/dz at the posts of the map, see pool/slope_map.h
+//   writes  colour     linear RGB, as it is: no sRGB encoding, alpha 1
+// Features: SLOPES_RG16F, MIRRORED.
+#include "render/shade.glsl"
+#include "render/terrain_inputs.glsl"
+#include "shared/slope_math.glsl"
+
+uniform sampler2D u_slopes;
+uniform vec2 u_slopes_size_posts;  // padded
+uniform int u_slopes_last_level;
+uniform vec2 u_base_stored_post;   // base post; MIRRORED: modulo the period of the reflection
+uniform ivec2 u_stored_posts;
+uniform vec2 u_fraction_m;
+uniform float u_spacing_m;
+uniform vec2 u_eye_tint;           // tint height = y * u_eye_tint.x + u_eye_tint.y
+uniform vec3 u_cursor_m;           // x, z relative to the eye, radius; 0: none
+uniform vec3 u_cursor_colour;
+
+in vec3 v_position_m;
+in float v_alpha;
+flat in int v_level;
+layout(location = 0) out vec4 colour;
+
+// `posts`: position in the stored map. Level l holds every 2^l-th post; its texel (0, 0) is post (0, 0).
+vec2 slope_at(vec2 posts, int wanted_level) {
+    int level = min(wanted_level, u_slopes_last_level);
+    vec2 stored = textureLod(u_slopes, (posts + 0.5 * float(1 << level)) / u_slopes_size_posts, float(level)).rg;
+#ifdef SLOPES_RG16F
+    return stored;
+#else
+    vec2 companded = vec2(slope_signed(stored.x), slope_signed(stored.y));
+    return companded * slope_expansion(length(companded));
+#endif
+}
+
+vec2 slope_here() {
+    vec2 posts = (v_position_m.xz + u_fraction_m) / u_spacing_m + u_base_stored_post;
+    vec2 last = vec2(u_stored_posts - 1);
+    vec2 sign_of_fold = vec2(1.0);
+#ifdef MIRRORED
+    vec2 within = mod(posts, 2.0 * last);
+    bvec2 odd = greaterThan(within, last);
+    posts = mix(within, 2.0 * last - within, vec2(odd));
+    sign_of_fold = vec2(1.0) - 2.0 * vec2(odd);
+#endif
+    posts = clamp(posts, vec2(0.0), last);
+    vec2 slope = slope_at(posts, v_level);
+    if (v_alpha > 0.0) slope = mix(slope, slope_at(posts, v_level + 1), v_alpha);
+    return slope * sign_of_fold;
+}
+
+// A ring on the ground: as wide as 3 % of the radius, at least two pixels, with soft edges.
+float cursor_cover() {
+    float distance_m = length(v_position_m.xz - u_cursor_m.xy);
+    float pixel_m = fwidth(distance_m);
+    float half_width_m = max(0.015 * u_cursor_m.z, pixel_m);
+    return clamp((half_width_m - abs(distance_m - u_cursor_m.z)) / max(pixel_m, 1e-6) + 0.5, 0.0, 1.0);
+}
+
+void main() {
+    SurfacePoint p;
+    p.from_eye_m = v_position_m;
+    p.distance_m = length(v_position_m);
+    p.to_eye = -v_position_m / max(p.distance_m, 1e-6);
+    p.slope = slope_here();
+    p.normal = normalize(vec3(-p.slope.x, 1.0, -p.slope.y));
+    p.tint_height = v_position_m.y * u_eye_tint.x + u_eye_tint.y;
+    vec3 shaded = shade(p);
+    if (u_cursor_m.z > 0.0) shaded = mix(shaded, u_cursor_colour, 0.9 * cursor_cover());
+    colour = vec4(shaded, 1.0);
+}

@@ -1,0 +1,48 @@
+#include "tilth/context/offscreen_context.h"
+
+#include "tilth/context/implementation.h"
+
+namespace tilth::context {
+
+std::string_view name_of(Route route) { return route == Route::Egl ? "egl" : "osmesa"; }
+
+Result<Route> route_of(std::string_view name) {
+    if (name == "egl") return Route::Egl;
+    if (name == "osmesa") return Route::Osmesa;
+    return Error{ErrorCode::InvalidArgument, text("context route \"", name, "\": allowed are egl and osmesa")};
+}
+
+OffscreenContext::OffscreenContext(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+OffscreenContext::~OffscreenContext() = default;
+OffscreenContext::OffscreenContext(OffscreenContext&&) noexcept = default;
+OffscreenContext& OffscreenContext::operator=(OffscreenContext&&) noexcept = default;
+
+Result<OffscreenContext> OffscreenContext::create(Route route, const Options& options) {
+    if (options.width < 1 || options.height < 1)
+        return Error{ErrorCode::InvalidArgument,
+                     text("context size: is ", options.width, " x ", options.height, ", must be at least 1 x 1")};
+    auto made = route == Route::Egl ? make_egl(options) : make_osmesa(options);
+    if (!made) return made.error();
+    OffscreenContext context(*std::move(made));
+    if (Result<void> current = context.make_current(); !current) return current.error();
+    context.implementation_->read_renderer();
+    return context;
+}
+
+Result<void> OffscreenContext::make_current() { return implementation_->make_current(); }
+void OffscreenContext::release_current() { implementation_->release_current(); }
+gl::GetProc OffscreenContext::get_proc() const { return implementation_->get_proc(); }
+Route OffscreenContext::route() const { return implementation_->route(); }
+const std::string& OffscreenContext::renderer() const { return implementation_->renderer; }
+const std::string& OffscreenContext::platform() const { return implementation_->platform; }
+
+void OffscreenContext::Implementation::read_renderer() {
+    constexpr unsigned kGlRenderer = 0x1F01;
+    using GetString = const unsigned char* (*)(unsigned);
+    const auto get_string = reinterpret_cast<GetString>(get_proc()("glGetString"));
+    const unsigned char* name = get_string != nullptr ? get_string(kGlRenderer) : nullptr;
+    if (name != nullptr) renderer = reinterpret_cast<const char*>(name);
+}
+
+}  // namespace tilth::context

@@ -1,0 +1,57 @@
+// What a frame cost, in integers that tests can assert on ("untouched ground runs 0 passes"). No GL header.
+#pragma once
+
+#include <cstdint>
+
+namespace tilth::gl {
+
+/// The cost of one stage. Counts are exact and the same on every driver; only the two times depend on the machine.
+struct StageStats {
+    std::uint64_t passes = 0;      ///< framebuffer bindings that were drawn to
+    std::uint64_t draws = 0;       ///< draw calls
+    std::uint64_t primitives = 0;  ///< triangles handed to GL, before culling and refinement
+    std::uint64_t texels = 0;      ///< texels written (of one target, when a pass writes several)
+    std::uint64_t bytes = 0;       ///< bytes written to textures and buffers
+    std::uint64_t programs = 0;    ///< GL programs linked
+    std::uint64_t saturated = 0;   ///< texels that reached the end of their range
+    std::uint64_t fallbacks = 0;   ///< times that a slower way was taken because the faster one was not to be had
+    double cpu_ms = 0;             ///< wall time of the calling thread
+    double gpu_ms = 0;             ///< GPU time whose queries were read in this frame; 0 if the driver cannot tell
+
+    StageStats& operator+=(const StageStats& other) {
+        passes += other.passes, draws += other.draws, primitives += other.primitives, texels += other.texels;
+        bytes += other.bytes, programs += other.programs, saturated += other.saturated, fallbacks += other.fallbacks;
+        cpu_ms += other.cpu_ms, gpu_ms += other.gpu_ms;
+        return *this;
+    }
+    friend bool operator==(const StageStats&, const StageStats&) = default;
+};
+
+/// Bytes that crossed between the CPU and GL.
+struct TransferStats {
+    std::uint64_t bytes_up = 0, bytes_down = 0;
+
+    TransferStats& operator+=(const TransferStats& other) {
+        bytes_up += other.bytes_up, bytes_down += other.bytes_down;
+        return *this;
+    }
+    friend bool operator==(const TransferStats&, const TransferStats&) = default;
+};
+
+/// One frame, or the sum of many.
+struct FrameStats {
+    StageStats deform, derive, mips, render;
+    TransferStats transfer;
+
+    [[nodiscard]] std::uint64_t fallbacks() const {
+        return deform.fallbacks + derive.fallbacks + mips.fallbacks + render.fallbacks;
+    }
+    FrameStats& operator+=(const FrameStats& other) {
+        deform += other.deform, derive += other.derive, mips += other.mips, render += other.render;
+        transfer += other.transfer;
+        return *this;
+    }
+    friend bool operator==(const FrameStats&, const FrameStats&) = default;
+};
+
+}  // namespace tilth::gl

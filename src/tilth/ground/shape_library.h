@@ -1,0 +1,69 @@
+// The shapes that stamps can have: radial profiles and 16-bit images, by name and number.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tilth/core/result.h"
+#include "tilth/ground/stamp.h"
+
+namespace tilth {
+
+/// Entries of a profile table: weights at t = distance / radius = i / 1024, i = 0..1024.
+inline constexpr int kProfileEntries = 1025;
+
+/// The weight of one, in tables and after sampling. Weights lie in -kWeightOne..kWeightOne.
+inline constexpr std::int32_t kWeightOne = 65536;
+
+/// The built-in profiles, in the order of SCENARIO; their `ShapeId` is their number here.
+enum class BuiltinProfile : std::uint32_t { Gaussian, Cone, Paraboloid, Cosine, Crater, Disc };
+inline constexpr std::uint32_t kBuiltinProfiles = 6;
+
+/// One shape. A profile has `kProfileEntries` weights; an image `width * height`, row by row.
+struct Shape {
+    std::string name;
+    bool is_image = false;
+    std::int32_t width = 0, height = 0;   ///< of an image, texels
+    std::vector<std::int32_t> weights;    ///< in 1 / 65 536, 65 536 = full weight
+    double least_radius_texels = 0;       ///< smaller stamps are widened to this, with their volume kept
+    bool zero_volume = false;             ///< the sampled stamp's residue is given to the centre texel (crater)
+    std::uint64_t hash = 0;               ///< XXH3-64 of kind, size and weights
+};
+
+/// The shapes of one world. Shapes are only ever added; ids stay valid. Built-in profiles are always there.
+/// Threads: adding needs exclusive access; reading is free.
+class ShapeLibrary {
+public:
+    ShapeLibrary();
+
+    /// Adds a radial profile baked from `weight(t)`, t in [0, 1], values in [-1, 1]. Evaluated 1 025 times, now.
+    /// Fails when the name is taken or empty, a value is not finite or out of range, or `least_radius_texels` is not
+    /// in [0.5, 8 192).
+    Result<ShapeId> add_profile(std::string name, const std::function<double(double t)>& weight,
+                                double least_radius_texels = 2.0);
+
+    /// Adds an image of 16-bit texels: 65 535 is weight 1, 0 is weight 0. `texels` has width * height values, column
+    /// along +x, row along +z. Sizes 1..4 096.
+    Result<ShapeId> add_image(std::string name, std::int32_t width, std::int32_t height,
+                              std::span<const std::uint16_t> texels);
+
+    /// Bakes any function of (x, z), both in [-1, 1] over the stamp's square, into a `size` x `size` image; values in
+    /// [-1, 1]. Parameters are what the function captures: bake once per set of them.
+    Result<ShapeId> bake(std::string name, std::int32_t size, const std::function<double(double x, double z)>& weight);
+
+    [[nodiscard]] std::optional<ShapeId> find(std::string_view name) const;
+    /// `id` must come from this library.
+    [[nodiscard]] const Shape& shape(ShapeId id) const;
+    [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(shapes_.size()); }
+
+private:
+    Result<ShapeId> add(Shape shape);
+    std::vector<Shape> shapes_;
+};
+
+}  // namespace tilth

@@ -1,0 +1,113 @@
+#include "tilth/render/height_bounds.h"
+
+#include <algorithm>
+
+#include "tilth/core/checks.h"
+#include "tilth/core/shared_glsl.h"
+
+namespace tilth::shared {
+#include "shared/clipmap_morph.glsl"
+}
+
+namespace tilth {
+namespace {
+
+CodeRange joined(const CodeRange& a, const CodeRange& b) { return {std::min(a.min, b.min), std::max(a.max, b.max)}; }
+
+}  // namespace
+
+HeightBounds::HeightBounds(const HeightField& field) : width_(field.width()), depth_(field.depth()) {
+    TILTH_EXPECTS(!field.rect().empty(), "height bounds of an empty field");
+    std::int32_t width = (width_ + kBlockPosts - 1) / kBlockPosts, depth = (depth_ + kBlockPosts - 1) / kBlockPosts;
+    for (;;) {
+        levels_.push_back({width, depth, {}});
+        levels_.back().ranges.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(depth));
+        if (width == 1 && depth == 1) break;
+        width = (width + 1) / 2, depth = (depth + 1) / 2;
+    }
+    widen(field.rect(), field);
+}
+
+void HeightBounds::widen(const TexelRect& changed, const HeightField& field) {
+    const TexelRect inside = intersection(changed, rect());
+    if (inside.empty()) return;
+    const Texel min{inside.min.x / kBlockPosts, inside.min.z / kBlockPosts};
+    const Texel max{(inside.max.x - 1) / kBlockPosts, (inside.max.z - 1) / kBlockPosts};
+    for (std::int32_t bz = min.z; bz <= max.z; ++bz) {
+        for (std::int32_t bx = min.x; bx <= max.x; ++bx) {
+            const std::int32_t end_x = std::min((bx + 1) * kBlockPosts, width_);
+            const std::int32_t end_z = std::min((bz + 1) * kBlockPosts, depth_);
+            CodeRange range;
+            for (std::int32_t z = bz * kBlockPosts; z < end_z; ++z) {
+                const std::uint32_t* row = field.row(z);
+                for (std::int32_t x = bx * kBlockPosts; x < end_x; ++x) {
+                    range.min = std::min(range.min, row[x]);
+                    range.max = std::max(range.max, row[x]);
+                }
+            }
+            levels_[0].at(bx, bz) = range;
+        }
+    }
+    refresh_pyramid(min, max);
+}
+
+void HeightBounds::widen_by(const TexelRect& changed, std::uint32_t min_code, std::uint32_t max_code) {
+    const TexelRect inside = intersection(changed, rect());
+    if (inside.empty()) return;
+    const Texel min{inside.min.x / kBlockPosts, inside.min.z / kBlockPosts};
+    const Texel max{(inside.max.x - 1) / kBlockPosts, (inside.max.z - 1) / kBlockPosts};
+    for (std::int32_t bz = min.z; bz <= max.z; ++bz)
+        for (std::int32_t bx = min.x; bx <= max.x; ++bx)
+            levels_[0].at(bx, bz) = joined(levels_[0].at(bx, bz), {min_code, max_code});
+    refresh_pyramid(min, max);
+}
+
+void HeightBounds::refresh_pyramid(Texel min, Texel max) {
+    for (std::size_t l = 1; l < levels_.size(); ++l) {
+        const Level& fine = levels_[l - 1];
+        min = {min.x / 2, min.z / 2}, max = {max.x / 2, max.z / 2};
+        for (std::int32_t z = min.z; z <= max.z; ++z) {
+            for (std::int32_t x = min.x; x <= max.x; ++x) {
+                CodeRange range = fine.at(2 * x, 2 * z);
+                const bool right = 2 * x + 1 < fine.width, below = 2 * z + 1 < fine.depth;
+                if (right) range = joined(range, fine.at(2 * x + 1, 2 * z));
+                if (below) range = joined(range, fine.at(2 * x, 2 * z + 1));
+                if (right && below) range = joined(range, fine.at(2 * x + 1, 2 * z + 1));
+                levels_[l].at(x, z) = range;
+            }
+        }
+    }
+}
+
+CodeRange HeightBounds::query(const TexelRect& asked) const {
+    const TexelRect inside = intersection(asked, rect());
+    TILTH_EXPECTS(!inside.empty(), "height bounds asked for a rectangle outside the map");
+    std::size_t level = 0;
+    const std::int32_t extent = std::max(inside.width(), inside.depth());
+    while (level + 1 < levels_.size() && extent > (4 * kBlockPosts << level)) ++level;
+    const std::int32_t posts = kBlockPosts << level;
+    CodeRange range;
+    for (std::int32_t z = inside.min.z / posts; z <= (inside.max.z - 1) / posts; ++z)
+        for (std::int32_t x = inside.min.x / posts; x <= (inside.max.x - 1) / posts; ++x)
+            range = joined(range, levels_[level].at(x, z));
+    return range;
+}
+
+PostRange folded_range(std::int32_t min, std::int32_t max, std::int32_t n) {
+    const std::int32_t reach = n - 1;  // turning points lie at the multiples of it
+    const auto floor_div = [](std::int32_t a, std::int32_t b) { return a / b - (a % b != 0 && (a < 0) != (b < 0)); };
+    const std::int32_t first = floor_div(min, reach), last = floor_div(max, reach);
+    if (last - first >= 2) return {0, reach};
+    const auto show = [&](std::int32_t p) {
+        const std::int32_t period = floor_div(p, 2 * reach) * 2 * reach;
+        return shared::folded_post(p - period, n);
+    };
+    PostRange range{std::min(show(min), show(max)), std::max(show(min), show(max))};
+    if (last != first) {  // one turning point inside, at last * reach
+        const std::int32_t turn = last % 2 == 0 ? 0 : reach;
+        range = {std::min(range.min, turn), std::max(range.max, turn)};
+    }
+    return range;
+}
+
+}  // namespace tilth

@@ -1,0 +1,318 @@
+#include "tilth/render/terrain_renderer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include "tilth/core/shared_glsl.h"
+#include "tilth/gl/api.h"
+#include "tilth/gl/debug_group.h"
+#include "tilth/source/mirrored_source.h"
+
+namespace tilth::shared {
+#include "shared/clipmap_morph.glsl"
+}
+
+namespace tilth {
+namespace {
+
+constexpr std::int32_t kMeshVertices = kBlockQuads + 1;  // a side; terrain.vert holds the same number
+constexpr int kBlockIndices = kBlockQuads * kBlockQuads * 6;
+constexpr int kStitchIndices = kBlockQuads * 3;  // kBlockQuads / 2 triangles on row 0 and as many on column 0
+constexpr int kHighUnit = 0, kLowUnit = 1, kSlopeUnit = 2;
+
+static_assert(sizeof(ClipmapBlock) == 5 * sizeof(std::int32_t), "streamed as it is: two ivec2 and an int");
+
+/// The mesh, row by row, each quad split along the diagonal from (i, j) to (i + 1, j + 1), counter-clockwise seen from
+/// above; then the triangles (2i, 2i+1, 2i+2) of row 0 and of column 0. A stitch has no depth or no width, so that one
+/// of the two collapses to a point.
+std::vector<std::uint16_t> mesh_indices() {
+    std::vector<std::uint16_t> indices;
+    indices.reserve(kBlockIndices + kStitchIndices);
+    const auto add = [&](std::int32_t x, std::int32_t z) {
+        indices.push_back(static_cast<std::uint16_t>(z * kMeshVertices + x));
+    };
+    for (std::int32_t z = 0; z < kBlockQuads; ++z) {
+        for (std::int32_t x = 0; x < kBlockQuads; ++x) {
+            add(x, z), add(x, z + 1), add(x + 1, z + 1);
+            add(x, z), add(x + 1, z + 1), add(x + 1, z);
+        }
+    }
+    for (std::int32_t i = 0; i < kBlockQuads; i += 2) add(i, 0), add(i + 1, 0), add(i + 2, 0);
+    for (std::int32_t i = 0; i < kBlockQuads; i += 2) add(0, i), add(0, i + 1), add(0, i + 2);
+    return indices;
+}
+
+void describe_instances(gl::VertexArray& array, const gl::Buffer& instances, const gl::Buffer& indices) {
+    constexpr int stride = sizeof(ClipmapBlock);
+    array.int_attribute(0, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, x), 1);
+    array.int_attribute(1, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, width), 1);
+    array.int_attribute(2, instances, 1, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, level), 1);
+    array.index_buffer(indices);
+}
+
+Vec3f normalised(const Vec3f& v) {
+    const float length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+    return length > 0 ? Vec3f{v.x / length, v.y / length, v.z / length} : Vec3f{0, 1, 0};
+}
+
+void set(const gl::Program& program, gl::Uniform uniform, const Vec3f& v) { program.set(uniform, v.x, v.y, v.z); }
+
+std::int32_t post_of(std::int32_t vertex, std::int32_t level, std::int32_t last) {
+    return static_cast<std::int32_t>(std::min(std::int64_t{vertex} << level, std::int64_t{last}));
+}
+
+/// The base post on the stored map: itself, or within one period of the reflection.
+std::int32_t stored_base(std::int32_t base, std::int32_t posts, bool mirrored) {
+    const std::int32_t period = 2 * (posts - 1);
+    return mirrored ? ((base % period) + period) % period : base;
+}
+
+}  // namespace
+
+Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLibrary& shaders,
+                                                const ClipmapSettings& settings, const MapInfo& map) {
+    if (Result<void> checked = check_clipmap(settings); !checked) return checked.error();
+    if (map.grid.width < 2 || map.grid.depth < 2 || !(map.grid.spacing_m > 0))
+        return Error{ErrorCode::InvalidArgument, text("a map to draw has 2 x 2 posts or more and a spacing above 0, not ",
+                                                      map.grid.width, " x ", map.grid.depth, " posts ",
+                                                      map.grid.spacing_m, " m apart")};
+    gl::Features features;
+    if (map.precision == HeightPrecision::bits16) features.emplace_back("BITS16", "1");
+    if (map.mirrored) features.emplace_back("MIRRORED", "1");
+    if (map.slopes == SlopeFormat::rg16f) features.emplace_back("SLOPES_RG16F", "1");
+    auto program = shaders.program("terrain", "render/terrain.vert", "render/terrain.frag", features);
+    if (!program) return program.error();
+
+    auto block_array = gl::VertexArray::create(device, "clipmap blocks");
+    if (!block_array) return block_array.error();
+    auto stitch_array = gl::VertexArray::create(device, "clipmap stitches");
+    if (!stitch_array) return stitch_array.error();
+    const std::vector<std::uint16_t> mesh = mesh_indices();
+    auto indices = gl::Buffer::create(device, "clipmap mesh", mesh.size() * sizeof(mesh[0]), gl::BufferUsage::Static,
+                                      mesh.data());
+    if (!indices) return indices.error();
+    auto blocks = gl::Buffer::create(device, "clipmap blocks", 256 * sizeof(ClipmapBlock), gl::BufferUsage::Stream);
+    if (!blocks) return blocks.error();
+    auto stitches = gl::Buffer::create(device, "clipmap stitches", 256 * sizeof(ClipmapBlock), gl::BufferUsage::Stream);
+    if (!stitches) return stitches.error();
+    return TerrainRenderer(device, settings, map, std::move(*program), std::move(*block_array),
+                           std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches));
+}
+
+TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map,
+                                 gl::Program program, gl::VertexArray block_array, gl::VertexArray stitch_array,
+                                 gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches)
+    : device_(&device),
+      settings_(settings),
+      map_(map),
+      last_post_(map.mirrored ? Texel{MirroredSource::kSide - 1, MirroredSource::kSide - 1}
+                              : Texel{map.grid.width - 1, map.grid.depth - 1}),
+      program_(std::move(program)),
+      block_array_(std::move(block_array)),
+      stitch_array_(std::move(stitch_array)),
+      indices_(std::move(indices)),
+      block_buffer_(std::move(blocks)),
+      stitch_buffer_(std::move(stitches)) {
+    describe_instances(block_array_, block_buffer_, indices_);
+    describe_instances(stitch_array_, stitch_buffer_, indices_);
+    program_.sampler("u_high_plane", kHighUnit);
+    program_.sampler("u_low_plane", kLowUnit);
+    program_.sampler("u_slopes", kSlopeUnit);
+    const auto find = [this](const char* name) { return program_.uniform(name); };
+    u_ = {.last_post = find("u_last_post"),
+          .stored_posts = find("u_stored_posts"),
+          .base_post = find("u_base_post"),
+          .fraction_m = find("u_fraction_m"),
+          .spacing_m = find("u_spacing_m"),
+          .eye_code = find("u_eye_code"),
+          .eye_above_code_m = find("u_eye_above_code_m"),
+          .code_quantum_m = find("u_code_quantum_m"),
+          .n = find("u_n"),
+          .zone_units = find("u_zone_units"),
+          .coarsest_level = find("u_coarsest_level"),
+          .clip_from_relative = find("u_clip_from_relative"),
+          .slopes_size_posts = find("u_slopes_size_posts"),
+          .slopes_last_level = find("u_slopes_last_level"),
+          .base_stored_post = find("u_base_stored_post"),
+          .eye_tint = find("u_eye_tint"),
+          .to_light = find("u_to_light"),
+          .ambient = find("u_ambient"),
+          .diffuse = find("u_diffuse"),
+          .specular = find("u_specular"),
+          .specular_exponent = find("u_specular_exponent"),
+          .fog_colour = find("u_fog_colour"),
+          .fog_density = find("u_fog_density"),
+          .low_colour = find("u_low_colour"),
+          .high_colour = find("u_high_colour"),
+          .steep_colour = find("u_steep_colour"),
+          .cursor_m = find("u_cursor_m"),
+          .cursor_colour = find("u_cursor_colour")};
+}
+
+Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, const BrushCursor* cursor,
+                                   const HeightPlanes& planes, const SlopeMap& slopes, const HeightBounds& bounds,
+                                   gl::StageStats& stats) {
+    const auto start = std::chrono::steady_clock::now();
+    counts_ = {};
+    if (view.depth == DepthConvention::Reversed && !device_->capabilities().clip_control)
+        return Error{ErrorCode::Unsupported,
+                     "view.depth is Reversed, which needs GL_ARB_clip_control (GL 4.5), and this context has it not; "
+                     "use DepthConvention::Standard"};
+    const Result<Camera> camera = make_camera(view, map_.grid, map_.codec);
+    if (!camera) return camera.error();
+    if (!camera->draws) return {};
+    choose_blocks(*camera, bounds);
+    if (blocks_.empty()) return {};
+
+    const gl::DebugGroup group(*device_, "tilth terrain");
+    const gl::Api& gl = device_->gl();
+    set_state(view);
+    planes.high().bind(kHighUnit);
+    planes.low().bind(kLowUnit);
+    slopes.texture().bind(kSlopeUnit);
+    program_.bind();
+    set_uniforms(*camera, shading, cursor, slopes);
+
+    block_buffer_.replace(std::as_bytes(std::span(blocks_)));
+    block_array_.bind();
+    gl.DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr,
+                             static_cast<GLsizei>(blocks_.size()));
+    stats.draws += 1;
+    if (!stitches_.empty()) {
+        gl.Disable(GL_CULL_FACE);  // a triangle without area has no front
+        stitch_buffer_.replace(std::as_bytes(std::span(stitches_)));
+        stitch_array_.bind();
+        gl.DrawElementsInstanced(GL_TRIANGLES, kStitchIndices, GL_UNSIGNED_SHORT,
+                                 reinterpret_cast<const void*>(kBlockIndices * sizeof(std::uint16_t)),
+                                 static_cast<GLsizei>(stitches_.size()));
+        stats.draws += 1;
+    }
+    stats.passes += 1;
+    stats.primitives += blocks_.size() * (kBlockIndices / 3) + stitches_.size() * (kStitchIndices / 3);
+    stats.bytes += (blocks_.size() + stitches_.size()) * sizeof(ClipmapBlock);
+    stats.cpu_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    return {};
+}
+
+void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bounds) {
+    ClipmapLayout layout = clipmap_layout(settings_, camera.eye_posts, last_post_.x, last_post_.z);
+    blocks_ = std::move(layout.blocks);
+    stitches_ = std::move(layout.stitches);
+    if (debug_.cull_blocks) {
+        const auto hidden = [&](const ClipmapBlock& block) { return !is_visible(block, camera, bounds); };
+        counts_.culled_blocks = static_cast<std::uint32_t>(std::erase_if(blocks_, hidden));
+        std::erase_if(stitches_, hidden);
+    }
+    std::erase_if(stitches_, [&](const ClipmapBlock& s) { return s.level == debug_.omit_stitches_of_level; });
+    // Front to back: levels are already in that order, blocks of one by the distance of their middle.
+    const auto distance = [&](const ClipmapBlock& b) {
+        const double unit = std::ldexp(1.0, b.level);
+        return std::max(std::abs((b.x + b.width * 0.5) * unit - camera.eye_posts.x),
+                        std::abs((b.z + b.depth * 0.5) * unit - camera.eye_posts.z));
+    };
+    std::stable_sort(blocks_.begin(), blocks_.end(), [&](const ClipmapBlock& a, const ClipmapBlock& b) {
+        return a.level != b.level ? a.level < b.level : distance(a) < distance(b);
+    });
+    counts_.blocks = static_cast<std::uint32_t>(blocks_.size());
+    counts_.stitches = static_cast<std::uint32_t>(stitches_.size());
+}
+
+bool TerrainRenderer::is_visible(const ClipmapBlock& block, const Camera& camera, const HeightBounds& bounds) const {
+    const std::int32_t x0 = post_of(block.x, block.level, last_post_.x);
+    const std::int32_t x1 = post_of(block.x + block.width, block.level, last_post_.x);
+    const std::int32_t z0 = post_of(block.z, block.level, last_post_.z);
+    const std::int32_t z1 = post_of(block.z + block.depth, block.level, last_post_.z);
+    // Morphing reads posts of the next level, up to 2^(level + 1) outside.
+    const std::int64_t margin = std::int64_t{2} << block.level;
+    const auto clamped = [](std::int64_t p, std::int32_t last) {
+        return static_cast<std::int32_t>(std::clamp<std::int64_t>(p, 0, last));
+    };
+    PostRange x{clamped(x0 - margin, last_post_.x), clamped(x1 + margin, last_post_.x)};
+    PostRange z{clamped(z0 - margin, last_post_.z), clamped(z1 + margin, last_post_.z)};
+    if (map_.mirrored) {
+        x = folded_range(x.min, x.max, map_.grid.width);
+        z = folded_range(z.min, z.max, map_.grid.depth);
+    }
+    const CodeRange codes = bounds.query({{x.min, z.min}, {x.max + 1, z.max + 1}});
+    const auto height = [&](std::uint32_t code) {
+        return (static_cast<double>(code) - 2147483648.0) * map_.codec.code_quantum_m() - camera.eye_y_m;
+    };
+    const double s = map_.grid.spacing_m;
+    return !is_culled({{x0 * s - camera.eye_x_m, height(codes.min), z0 * s - camera.eye_z_m},
+                       {x1 * s - camera.eye_x_m, height(codes.max), z1 * s - camera.eye_z_m}},
+                      camera);
+}
+
+void TerrainRenderer::set_state(const View& view) {
+    const gl::Api& gl = device_->gl();
+    const bool reversed = view.depth == DepthConvention::Reversed;
+    gl.Viewport(0, 0, view.width, view.height);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(reversed ? GL_GREATER : GL_LESS);
+    gl.DepthMask(GL_TRUE);
+    gl.DepthRange(0.0, 1.0);
+    if (device_->capabilities().clip_control)
+        gl.ClipControl(GL_LOWER_LEFT, reversed ? GL_ZERO_TO_ONE : GL_NEGATIVE_ONE_TO_ONE);
+    if (debug_.cull_back_faces) {
+        gl.Enable(GL_CULL_FACE);
+        gl.CullFace(GL_BACK);
+        gl.FrontFace(GL_CCW);
+    } else {
+        gl.Disable(GL_CULL_FACE);
+    }
+    for (const GLenum off : {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST,
+                             GL_STENCIL_TEST, GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP,
+                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,
+                             GL_PRIMITIVE_RESTART})
+        gl.Disable(off);
+    for (GLenum plane = 0; plane < 8; ++plane) gl.Disable(GL_CLIP_DISTANCE0 + plane);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+void TerrainRenderer::set_uniforms(const Camera& camera, const Shading& shading, const BrushCursor* cursor,
+                                   const SlopeMap& slopes) {
+    const GridSpec& grid = map_.grid;
+    const auto f = [](double value) { return static_cast<float>(value); };
+    program_.set(u_.last_post, last_post_.x, last_post_.z);
+    program_.set(u_.stored_posts, grid.width, grid.depth);
+    program_.set(u_.base_post, camera.base_x, camera.base_z);
+    program_.set(u_.fraction_m, camera.fraction_x_m, camera.fraction_z_m);
+    program_.set(u_.spacing_m, f(grid.spacing_m));
+    program_.set(u_.eye_code, camera.eye_code);
+    program_.set(u_.eye_above_code_m, camera.eye_above_code_m);
+    program_.set(u_.code_quantum_m, f(map_.codec.code_quantum_m()));
+    program_.set(u_.n, settings_.n);
+    program_.set(u_.zone_units, shared::morph_zone_units(settings_.n, f(settings_.blend)));
+    program_.set(u_.coarsest_level, settings_.levels - 1);
+    program_.set_mat4(u_.clip_from_relative, camera.clip_from_relative.data());
+    program_.set(u_.slopes_size_posts, f(slopes.padded_width()), f(slopes.padded_depth()));
+    program_.set(u_.slopes_last_level, slopes.texture().levels() - 1);
+    program_.set(u_.base_stored_post, f(stored_base(camera.base_x, grid.width, map_.mirrored)),
+                 f(stored_base(camera.base_z, grid.depth, map_.mirrored)));
+
+    const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1e-6);
+    program_.set(u_.eye_tint, f(1 / tint_span), f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
+    set(program_, u_.to_light, normalised(shading.to_light));
+    program_.set(u_.ambient, shading.ambient);
+    program_.set(u_.diffuse, shading.diffuse);
+    program_.set(u_.specular, shading.specular);
+    program_.set(u_.specular_exponent, shading.specular_exponent);
+    set(program_, u_.fog_colour, shading.fog_colour);
+    program_.set(u_.fog_density, f(shading.fog_density));
+    set(program_, u_.low_colour, shading.low_colour);
+    set(program_, u_.high_colour, shading.high_colour);
+    set(program_, u_.steep_colour, shading.steep_colour);
+    if (cursor != nullptr && cursor->radius_m > 0) {
+        program_.set(u_.cursor_m, f(cursor->centre.x - grid.origin.x - camera.eye_x_m),
+                     f(cursor->centre.z - grid.origin.z - camera.eye_z_m), f(cursor->radius_m));
+        set(program_, u_.cursor_colour, cursor->colour);
+    } else {
+        program_.set(u_.cursor_m, 0.0f, 0.0f, 0.0f);
+    }
+}
+
+}  // namespace tilth

@@ -1,0 +1,99 @@
+// Draws the ground: one instanced draw of clipmap blocks, one of stitches.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tilth/core/result.h"
+#include "tilth/gl/device.h"
+#include "tilth/gl/frame_stats.h"
+#include "tilth/gl/objects.h"
+#include "tilth/gl/shader_library.h"
+#include "tilth/pool/height_planes.h"
+#include "tilth/pool/slope_map.h"
+#include "tilth/render/camera.h"
+#include "tilth/render/clipmap_layout.h"
+#include "tilth/render/height_bounds.h"
+#include "tilth/render/view.h"
+#include "tilth/world/grid.h"
+#include "tilth/world/height_codec.h"
+
+namespace tilth {
+
+/// The map that is drawn.
+struct MapInfo {
+    GridSpec grid;  ///< of the stored map: width and depth are those of the planes
+    HeightCodec codec;
+    HeightPrecision precision = HeightPrecision::bits32;
+    SlopeFormat slopes = SlopeFormat::rg8;
+    bool mirrored = false;  ///< the map is repeated by reflection to 2^20 x 2^20 posts
+};
+
+/// Switches for tests and for finding faults; the defaults are right for everybody else.
+struct RendererDebug {
+    std::int32_t omit_stitches_of_level = -1;  ///< shows the cracks that the stitches close
+    bool cull_blocks = true;                   ///< by the frustum
+    bool cull_back_faces = true;               ///< ground seen from below; stitches are never culled
+};
+
+/// What the last `draw` drew.
+struct RenderCounts {
+    std::uint32_t blocks = 0, culled_blocks = 0, stitches = 0;
+};
+
+/// Draws a map by a geometry clipmap (`clipmap_layout.h`), morphed and without cracks, shaded per fragment.
+///
+/// One mesh of 33 x 33 vertices without a vertex buffer serves every block; the vertex shader reads the height planes.
+/// Colours are linear RGB, written as they are; the target is an RGBA8 (or float) framebuffer without sRGB encoding.
+/// Cost: two draws, at most (n / 32)^2 * levels blocks of 2 048 triangles, 20 bytes streamed for each.
+/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`; draws into the bound draw
+/// framebuffer, viewport (0, 0, width, height), and sets every other state that it depends on. Clears nothing.
+class TerrainRenderer {
+public:
+    /// Fails with InvalidArgument (settings, map) or ShaderCompile.
+    static Result<TerrainRenderer> create(gl::Device& device, gl::ShaderLibrary& shaders,
+                                          const ClipmapSettings& settings, const MapInfo& map);
+
+    /// Draws one view. `planes`, `slopes` and `bounds` are those of the map. Fails with InvalidArgument (a view out of
+    /// range: nothing is drawn) or Unsupported (reversed depth without GL_ARB_clip_control). Never waits.
+    Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor, const HeightPlanes& planes,
+                      const SlopeMap& slopes, const HeightBounds& bounds, gl::StageStats& stats);
+
+    /// Reads the shaders again; on failure the last good ones stay in use.
+    Result<void> reload(gl::ShaderLibrary& shaders) { return shaders.reload(program_); }
+
+    [[nodiscard]] RendererDebug& debug() { return debug_; }
+    [[nodiscard]] const RenderCounts& last_counts() const { return counts_; }
+    [[nodiscard]] const ClipmapSettings& settings() const { return settings_; }
+    /// The last post of the drawn world on each axis.
+    [[nodiscard]] Texel last_post() const { return last_post_; }
+
+private:
+    struct Uniforms {
+        gl::Uniform last_post, stored_posts, base_post, fraction_m, spacing_m, eye_code, eye_above_code_m,
+            code_quantum_m, n, zone_units, coarsest_level, clip_from_relative, slopes_size_posts, slopes_last_level,
+            base_stored_post, eye_tint, to_light, ambient, diffuse, specular, specular_exponent, fog_colour,
+            fog_density, low_colour, high_colour, steep_colour, cursor_m, cursor_colour;
+    };
+    TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map, gl::Program program,
+                    gl::VertexArray block_array, gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
+                    gl::Buffer stitches);
+    [[nodiscard]] bool is_visible(const ClipmapBlock& block, const Camera& camera, const HeightBounds& bounds) const;
+    void choose_blocks(const Camera& camera, const HeightBounds& bounds);
+    void set_state(const View& view);
+    void set_uniforms(const Camera& camera, const Shading& shading, const BrushCursor* cursor, const SlopeMap& slopes);
+
+    gl::Device* device_;
+    ClipmapSettings settings_;
+    MapInfo map_;
+    Texel last_post_;
+    gl::Program program_;
+    Uniforms u_;
+    gl::VertexArray block_array_, stitch_array_;
+    gl::Buffer indices_, block_buffer_, stitch_buffer_;
+    std::vector<ClipmapBlock> blocks_, stitches_;  ///< of the current draw; members to keep their memory
+    RendererDebug debug_;
+    RenderCounts counts_;
+};
+
+}  // namespace tilth
