@@ -1,9 +1,14 @@
 # How layers (one object target per folder of src/tilth) and the exported libraries are made.
+include(GNUInstallDirs)
+
+# A host that adds this project as a subdirectory, perhaps with a newer compiler, is not stopped by a new warning.
+option(TILTH_WARNINGS_ARE_ERRORS "stop at the first warning" ${PROJECT_IS_TOP_LEVEL})
 
 add_library(tilth_flags INTERFACE)
 target_compile_features(tilth_flags INTERFACE cxx_std_20)
 # -ffp-contract=off: the CPU executor's floats must not depend on whether the compiler may fuse a multiply and an add.
-target_compile_options(tilth_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-qual -Wno-missing-field-initializers -Werror
+target_compile_options(tilth_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-qual
+    -Wno-missing-field-initializers $<$<BOOL:${TILTH_WARNINGS_ARE_ERRORS}>:-Werror>
     -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(TILTH_SANITIZE)
     target_compile_options(tilth_flags INTERFACE -fsanitize=${TILTH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -47,7 +52,8 @@ function(tilth_library name)
     endforeach()
     target_compile_features(tilth_${name} PUBLIC cxx_std_20)
     target_include_directories(tilth_${name} PUBLIC
-        $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/shaders> $<INSTALL_INTERFACE:include> $<INSTALL_INTERFACE:include/tilth/shaders>)
+        $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/shaders>
+        $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/tilth/shaders>)
     target_link_libraries(tilth_${name} PUBLIC ${ARG_USES})
     set_target_properties(tilth_${name} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
 endfunction()

@@ -10,7 +10,7 @@
 
 namespace tilth::demo {
 
-/// A picture of fixed size. Colours are handed to GL as linear RGB and encoded as sRGB, which is what PNG files hold.
+/// A picture of fixed size in RGBA8, as the terrain renderer asks for: colours are stored as they are drawn.
 /// Thread: the one that owns the context.
 class OffscreenTarget {
 public:

@@ -10,20 +10,22 @@ SHARED_FUNCTION float code_difference(uint a, uint b) {
     return a >= b ? float(a - b) : -float(b - a);
 }
 
-// Central difference, error h^2 / 6 max|h'''|. per_m = code quantum [m] / spacing [m].
-SHARED_FUNCTION float slope_central(uint west, uint east, float per_m) {
-    return code_difference(east, west) * (0.5f * per_m);
-}
-
-// Five-point difference of fourth order, error h^4 / 30 max|h'''''|.
-SHARED_FUNCTION float slope_fourth(uint west2, uint west, uint east, uint east2, float per_m) {
-    return (code_difference(east, west) * 8.0f - code_difference(east2, west2)) * (per_m / 12.0f);
+// dh along one axis at post `position` of 0..last, from the codes of the posts two and one before it and one and two after
+// it (clamped to the map). per_m = code quantum [m] / spacing [m].
+// Central difference: error h^2 / 6 max|h'''|; one-sided at the border. Fourth order: error h^4 / 30 max|h'''''|, where two
+// posts lie on either side, else central.
+SHARED_FUNCTION float slope_along(uint before2, uint before, uint after, uint after2, int position, int last, bool fourth,
+                                  float per_m) {
+    if (fourth && position >= 2 && position <= last - 2)
+        return (code_difference(after, before) * 8.0f - code_difference(after2, before2)) * (per_m / 12.0f);
+    int span = min(position + 1, last) - max(position - 1, 0);
+    return code_difference(after, before) * (per_m / float(span));
 }
 
 // RG8 storage: p / (1 + |p|) with |p| the length of the slope vector, so that a cliff saturates without turning. Flat is
-// exactly 128 / 255; 127 steps either way. Returns the unorm value of one component.
-SHARED_FUNCTION float slope_companded(float component, float slope_length) {
-    return (floor(component / (1.0f + slope_length) * 127.0f + 0.5f) + 128.0f) / 255.0f;
+// exactly 128; 127 steps either way. Returns one component's byte, 1..255.
+SHARED_FUNCTION int slope_byte(float component, float slope_length) {
+    return int(component / (1.0f + slope_length) * 127.0f + 128.5f);
 }
 
 // The inverse, on filtered values: one component to -1..1.

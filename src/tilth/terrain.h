@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tilth/core/result.h"
+#include "tilth/derive/slope_rects.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/gl/get_proc.h"
 #include "tilth/ground/ground.h"
@@ -23,9 +24,6 @@ enum class ExecutorKind : std::uint8_t {
     Automatic,  ///< whichever a short measurement at creation found faster; see `Terrain::executor`
 };
 
-/// Stencil of the slopes.
-enum class SlopeStencil : std::uint8_t { Central, Fourth };
-
 struct TerrainSettings {
     GroundSettings ground;
     ExecutorKind executor = ExecutorKind::Automatic;
@@ -34,6 +32,9 @@ struct TerrainSettings {
     ClipmapSettings clipmap;
     /// Folder to load shaders from instead of the embedded ones (they then reload when changed); empty: embedded.
     std::string shader_folder;
+    /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off where
+    /// the host has its own.
+    bool collect_debug_messages = false;
 };
 
 /// Ground that can be dented for good, drawn by a geometry clipmap.
@@ -66,14 +67,15 @@ public:
 
     /// Applies the queued stamps in order, then slopes and mips over what changed. Never waits for the GPU.
     /// `dt_s` is the frame's time step; negative or NaN counts as 0. Starts the next frame's statistics.
-    void update(double dt_s);
+    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made; its stamps stay queued.
+    Result<void> update(double dt_s);
 
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). Clears nothing.
     /// Fails without GL, and with settings out of range.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
     /// Waits until everything queued is in the ground and the CPU's copy is current. Counted outside the frame.
-    void drain();
+    Result<void> drain();
 
     /// Height of the surface, metres; drains first when the GPU holds newer codes.
     [[nodiscard]] double height_m(WorldPos at, MapSelect select = MapSelect::Sum);
@@ -88,11 +90,14 @@ public:
     [[nodiscard]] std::string gl_version() const;   ///< like "4.5"; empty without GL
 
     [[nodiscard]] const gl::FrameStats& last_frame() const;
-    [[nodiscard]] const gl::FrameStats& total() const;
+    [[nodiscard]] gl::FrameStats total() const;
     [[nodiscard]] std::uint64_t gpu_bytes() const;
     [[nodiscard]] std::uint64_t cpu_bytes() const;
 
-    /// Messages of the context's debug output since the last call; empty on a good day.
+    /// Reads the shaders again from `TerrainSettings::shader_folder`. On failure the last good ones stay in use.
+    Result<void> reload_shaders();
+
+    /// Messages of the context's debug output since the last call, with `collect_debug_messages`; empty on a good day.
     [[nodiscard]] std::vector<std::string> take_debug_messages();
 
 private:

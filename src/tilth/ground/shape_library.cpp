@@ -52,18 +52,24 @@ ShapeLibrary::ShapeLibrary() {
                     .weights = {table.begin(), table.end()},
                     .least_radius_texels = builtin.least_radius_texels,
                     .zero_volume = builtin.profile == BuiltinProfile::Crater};
-        shape.hash = hash_of(shape);
-        shapes_.push_back(std::move(shape));
+        keep(std::move(shape));
     }
+}
+
+ShapeId ShapeLibrary::keep(Shape shape) {
+    const auto [lowest, highest] = std::minmax_element(shape.weights.begin(), shape.weights.end());
+    shape.lowest_weight = *lowest;
+    shape.highest_weight = *highest;
+    shape.hash = hash_of(shape);
+    shapes_.push_back(std::move(shape));
+    return {size() - 1};
 }
 
 Result<ShapeId> ShapeLibrary::add(Shape shape) {
     if (shape.name.empty()) return Error{ErrorCode::InvalidArgument, "name: a shape needs a name"};
     if (find(shape.name))
         return Error{ErrorCode::InvalidArgument, text("name: a shape called '", shape.name, "' exists already")};
-    shape.hash = hash_of(shape);
-    shapes_.push_back(std::move(shape));
-    return ShapeId{size() - 1};
+    return keep(std::move(shape));
 }
 
 Result<ShapeId> ShapeLibrary::add_profile(std::string name, const std::function<double(double)>& weight,

@@ -30,6 +30,7 @@ struct Shape {
     bool is_image = false;
     std::int32_t width = 0, height = 0;   ///< of an image, texels
     std::vector<std::int32_t> weights;    ///< in 1 / 65 536, 65 536 = full weight
+    std::int32_t lowest_weight = 0, highest_weight = 0;  ///< of `weights`
     double least_radius_texels = 0;       ///< smaller stamps are widened to this, with their volume kept
     bool zero_volume = false;             ///< the sampled stamp's residue is given to the centre texel (crater)
     std::uint64_t hash = 0;               ///< XXH3-64 of kind, size and weights
@@ -63,6 +64,7 @@ public:
 
 private:
     Result<ShapeId> add(Shape shape);
+    ShapeId keep(Shape shape);
     std::vector<Shape> shapes_;
 };
 

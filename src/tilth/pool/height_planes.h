@@ -1,6 +1,8 @@
 // A map's height codes on the GPU: two R16 planes.
 #pragma once
 
+#include <vector>
+
 #include "tilth/core/result.h"
 #include "tilth/gl/device.h"
 #include "tilth/gl/frame_stats.h"
@@ -21,26 +23,27 @@ public:
     static Result<HeightPlanes> create(gl::Device& device, std::int32_t width, std::int32_t depth,
                                        HeightPrecision precision);
 
-    [[nodiscard]] TexelRect rect() const { return {{0, 0}, {high_.width(), high_.height()}}; }
+    [[nodiscard]] TexelRect rect() const { return {{0, 0}, {high().width(), high().height()}}; }
     [[nodiscard]] HeightPrecision precision() const { return precision_; }
-    [[nodiscard]] gl::Texture2D& high() { return high_; }
-    [[nodiscard]] const gl::Texture2D& high() const { return high_; }
+    [[nodiscard]] const gl::Texture2D& high() const { return planes_.front(); }
     /// The high plane itself with `bits16`, so that a sampler is never unbound; shaders then ignore it.
-    [[nodiscard]] gl::Texture2D& low() { return precision_ == HeightPrecision::bits32 ? low_ : high_; }
-    [[nodiscard]] const gl::Texture2D& low() const { return precision_ == HeightPrecision::bits32 ? low_ : high_; }
+    [[nodiscard]] const gl::Texture2D& low() const { return planes_.back(); }
+    /// The planes that exist, high first: what a pass that writes codes has as its targets.
+    [[nodiscard]] std::vector<const gl::Texture2D*> targets() const;
 
     /// Copies `rect` of `field` (the same map on the CPU) to the textures. Blocks if a queued draw still reads them on
     /// software GL: call it before the frame's first draw.
-    void upload(gl::Device& device, const HeightField& field, const TexelRect& rect, gl::TransferStats& stats);
+    void upload(const HeightField& field, const TexelRect& rect, gl::TransferStats& stats);
 
     /// Copies `rect` of the textures to `field`. Waits for the GPU: not for a frame.
-    void read_back(gl::Device& device, const TexelRect& rect, HeightField& field, gl::TransferStats& stats) const;
+    void read_back(const TexelRect& rect, HeightField& field, gl::TransferStats& stats) const;
 
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
-    HeightPlanes(gl::Texture2D high, gl::Texture2D low, HeightPrecision precision);
-    gl::Texture2D high_, low_;
+    HeightPlanes(std::vector<gl::Texture2D> planes, gl::Framebuffer reader, HeightPrecision precision);
+    std::vector<gl::Texture2D> planes_;  ///< one or two
+    gl::Framebuffer reader_;
     HeightPrecision precision_;
 };
 

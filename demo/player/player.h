@@ -1,0 +1,79 @@
+// Plays a scenario's steps in order on one world.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <optional>
+#include <string>
+
+#include "demo/player/screen.h"
+#include "demo/player/viewer.h"
+#include "demo/scenario/scenario.h"
+#include "demo/stats/run_report.h"
+#include "tilth/terrain.h"
+
+namespace tilth::demo {
+
+struct PlayerSettings {
+    std::filesystem::path out = ".";  ///< where relative outputs go
+    std::string route;                ///< of the context, for the statistics
+    double low_m = 0, high_m = 100;   ///< range of the original heights, for the tint
+};
+
+/// Plays steps. A step that fails is written to `errors` with its number and line, remembered, and the run goes on.
+///
+/// Stamps are queued and enter the ground with the next frame, or before any step that looks at the ground. Frames of
+/// `walk` and `wait` are timed; what looks (query, dump, expect, screenshot) drains first, outside their times.
+/// Without a screen frames are not drawn and screenshots fail. Thread: the one that owns the context.
+class Player {
+public:
+    Player(Terrain& terrain, const Scenario& scenario, Screen* screen, PlayerSettings settings, std::ostream& errors);
+
+    /// All steps. True if every one did what it says.
+    bool play();
+
+    [[nodiscard]] const Viewer& viewer() const { return viewer_; }
+    /// Statistics as of now. `with_hash` costs a pass over all codes, and drains.
+    [[nodiscard]] RunReport report(bool with_hash);
+
+private:
+    using Outcome = std::optional<std::string>;  ///< why a step failed
+
+    Outcome run(const CameraStep& step);
+    Outcome run(const StampStep& step);
+    Outcome run(const PathStep& step);
+    Outcome run(const RandomStep& step);
+    Outcome run(const WalkStep& step);
+    Outcome run(const TeleportStep& step);
+    Outcome run(const WaitStep& step);
+    Outcome run(const ScreenshotStep& step);
+    Outcome run(const DumpStep& step);
+    Outcome run(const QueryStep& step);
+    Outcome run(const ExpectStep& step);
+
+    Outcome queue(StampRequest request, std::int64_t repeat);
+    Outcome timed_frame(double dt_s);
+    Outcome draw_frame();
+    /// Runs a step's action; a failure, returned or thrown, is reported and remembered.
+    void attempt(int number, int line, const std::function<Outcome()>& action);
+    /// Everything queued enters the ground. Throws what the library could not do.
+    void settle();
+    [[nodiscard]] double ground_m(WorldPos at);
+    [[nodiscard]] std::string output_path(const std::string& file) const;
+    [[nodiscard]] View view_now() const;
+
+    Terrain& terrain_;
+    const Scenario& scenario_;
+    Screen* screen_;
+    PlayerSettings settings_;
+    std::ostream& errors_;
+    Shading shading_;
+    Viewer viewer_;
+    std::int64_t queued_ = 0;  ///< stamps since the last frame or drain
+    FrameTimes frames_;
+    Json queries_ = Json::array();
+    std::vector<std::string> failures_;
+};
+
+}  // namespace tilth::demo

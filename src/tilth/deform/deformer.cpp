@@ -1,0 +1,207 @@
+#include "tilth/deform/deformer.h"
+
+#include <algorithm>
+
+#include "tilth/pool/gl_rect.h"
+
+namespace tilth {
+namespace {
+
+// Texture units of deform/stamps.frag.
+enum Unit { kHigh, kLow, kWeights, kStamps, kOrder };
+
+constexpr std::int32_t kSlotsAcross = 16;  // blocks side by side in the scratch textures
+constexpr std::size_t kStampTexels = sizeof(StampParams) / 16;
+
+/// Where a batch's blocks are drawn: a block alone at the scratch's corner, many in a grid of slots.
+std::vector<gl::PassRect> placed(const StampBatch& batch) {
+    std::vector<gl::PassRect> rects;
+    rects.reserve(batch.blocks.size());
+    std::int32_t slot = 0;
+    for (const StampBlock& block : batch.blocks) {
+        const std::int32_t x = slot % kSlotsAcross * kBlockTexels, z = slot / kSlotsAcross * kBlockTexels;
+        rects.push_back({x, z, x + block.rect.width(), z + block.rect.depth(),
+                         {block.rect.min.x - x, block.rect.min.z - z, static_cast<std::int32_t>(block.first),
+                          static_cast<std::int32_t>(block.count)}});
+        ++slot;
+    }
+    return rects;
+}
+
+Result<void> put(std::optional<gl::TextureBuffer>& list, gl::Device& device, std::string_view label, gl::Format format,
+                 std::size_t texels, std::span<const std::byte> data) {
+    if (list) {
+        list->replace(data);
+        return {};
+    }
+    Result<gl::TextureBuffer> made =
+        gl::TextureBuffer::create(device, label, format, texels, gl::BufferUsage::Stream, data.data());
+    if (!made) return made.error();
+    list = std::move(*made);
+    return {};
+}
+
+}  // namespace
+
+Deformer::Deformer(gl::Device& device, gl::ShaderLibrary& shaders, gl::TextureCopy copy)
+    : device_(&device), shaders_(&shaders), copy_(std::move(copy)), atlas_(device) {}
+
+Result<Deformer> Deformer::create(gl::Device& device, gl::ShaderLibrary& shaders) {
+    Result<gl::TextureCopy> copy = gl::TextureCopy::create(device);
+    if (!copy) return copy.error();
+    return Deformer(device, shaders, std::move(*copy));
+}
+
+Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats) {
+    std::vector<StampTraits> traits;
+    traits.reserve(stamps.size());
+    for (const DeformStamp& stamp : stamps)
+        traits.push_back({intersection(stamp.prepared.rect(), planes.rect()),
+                          stamp.prepared.reads_own_texel_only() && !stamp.may_saturate});
+    for (const StampBatch& batch : plan_batches(traits))
+        if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), planes, stats); !ran)
+            return ran.error();
+    return {};
+}
+
+Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
+                           gl::StageStats& stats) {
+    Variant variant{.bits16 = planes.precision() == HeightPrecision::bits16, .only_add = true};
+    for (const DeformStamp& stamp : stamps) {
+        (stamp.prepared.shape->is_image ? variant.images : variant.profiles) = true;
+        variant.only_add = variant.only_add && stamp.prepared.rule() == StampRule::Add;
+        variant.smooth = variant.smooth || !stamp.prepared.reads_own_texel_only();
+    }
+    const std::vector<gl::PassRect> rects = placed(batch);
+    std::int32_t width = 0, height = 0;
+    for (const gl::PassRect& rect : rects) {
+        width = std::max(width, rect.max_x);
+        height = std::max(height, rect.max_z);
+    }
+    if (const Result<void> reserved = reserve_scratch(width, height, planes); !reserved) return reserved.error();
+    if (const Result<void> uploaded = upload_lists(batch, stamps, stats); !uploaded) return uploaded.error();
+    if (stamps.size() == 1 && stamps.front().may_saturate)
+        if (const Result<void> counted = count_saturated(variant, rects, planes, stats); !counted) return counted.error();
+    if (const Result<void> drawn = draw(variant, rects, planes, stats); !drawn) return drawn.error();
+
+    std::vector<gl::CopyRect> copies;
+    copies.reserve(rects.size());
+    for (const gl::PassRect& r : rects)
+        copies.push_back({{r.min_x, r.min_z, r.max_x, r.max_z}, r.min_x + r.payload[0], r.min_z + r.payload[1]});
+    const std::vector<const gl::Texture2D*> targets = planes.targets();
+    for (std::size_t p = 0; p < targets.size(); ++p) copy_.run(scratch_[p], *targets[p], copies);
+    return {};
+}
+
+Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps, gl::StageStats& stats) {
+    std::vector<StampParams> list;
+    list.reserve(stamps.size());
+    for (const DeformStamp& stamp : stamps) {
+        const Result<std::uint32_t> place = atlas_.place(*stamp.prepared.shape, stats.bytes);
+        if (!place) return place.error();
+        list.push_back(stamp.prepared.params);
+        list.back().table = *place;
+    }
+    const auto list_bytes = std::as_bytes(std::span(list));
+    const auto order_bytes = std::as_bytes(std::span(batch.order));
+    stats.bytes += list_bytes.size() + order_bytes.size();
+    if (const Result<void> ok = put(stamps_, *device_, "stamp list", gl::Format::Rgba32UI, list.size() * kStampTexels, list_bytes); !ok)
+        return ok.error();
+    return put(order_, *device_, "stamp order", gl::Format::R32UI, batch.order.size(), order_bytes);
+}
+
+Result<void> Deformer::reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes) {
+    const std::size_t wanted = planes.targets().size();
+    if (scratch_.size() >= wanted && scratch_.front().width() >= width && scratch_.front().height() >= height) return {};
+    if (!scratch_.empty()) {
+        width = std::max(width, scratch_.front().width());
+        height = std::max(height, scratch_.front().height());
+    }
+    scratch_.clear();
+    while (scratch_.size() < wanted) {
+        Result<gl::Texture2D> texture = gl::Texture2D::create(*device_, "deform scratch",
+                                                              {.format = gl::Format::R16, .width = width, .height = height});
+        if (!texture) return texture.error();
+        scratch_.push_back(std::move(*texture));
+    }
+    return {};
+}
+
+Result<gl::TexelPass*> Deformer::pass_for(const Variant& variant, gl::StageStats& stats) {
+    if (const auto found = passes_.find(variant); found != passes_.end()) return found->second.get();
+    gl::Features features;
+    const auto add = [&](bool wanted, const char* name) {
+        if (wanted) features.emplace_back(name, "1");
+    };
+    add(variant.bits16, "BITS16");
+    add(variant.profiles, "PROFILES");
+    add(variant.images, "IMAGES");
+    add(variant.only_add, "ONLY_ADD");
+    add(variant.smooth, "SMOOTH");
+    add(variant.count, "COUNT_SATURATED");
+    Result<gl::TexelPass> pass = gl::TexelPass::create(*device_, *shaders_, "stamps", "deform/stamps.frag", features);
+    if (!pass) return pass.error();
+    ++stats.programs;
+    gl::Program& program = pass->program();
+    program.sampler("u_high", kHigh);
+    program.sampler("u_low", kLow);
+    program.sampler("u_weights", kWeights);
+    program.sampler("u_stamps", kStamps);
+    program.sampler("u_order", kOrder);
+    return passes_.emplace(variant, std::make_unique<gl::TexelPass>(std::move(*pass))).first->second.get();
+}
+
+Result<void> Deformer::draw(const Variant& variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
+                            gl::StageStats& stats) {
+    Result<gl::TexelPass*> pass = pass_for(variant, stats);
+    if (!pass) return pass.error();
+    std::vector<const gl::Texture2D*> targets;
+    for (std::size_t p = 0; p < planes.targets().size(); ++p) targets.push_back(&scratch_[p]);
+    (*pass)->run(targets, 0, rects, stats, [&](gl::Program& program) {
+        planes.high().bind(kHigh);
+        planes.low().bind(kLow);
+        atlas_.texture().bind(kWeights);
+        stamps_->bind(kStamps);
+        order_->bind(kOrder);
+        program.set(program.uniform("u_last_texel"), planes.rect().max.x - 1, planes.rect().max.z - 1);
+    });
+    return {};
+}
+
+Result<void> Deformer::count_saturated(Variant variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
+                                       gl::StageStats& stats) {
+    variant.count = true;
+    Result<gl::Query> query = gl::Query::create(*device_, "saturated texels", gl::QueryKind::SamplesPassed);
+    if (!query) return query.error();
+    gl::StageStats counting;  // a pass that writes nothing anybody reads: its texels are not counted as written
+    query->begin();
+    const Result<void> drawn = draw(variant, rects, planes, counting);
+    query->end();
+    if (!drawn) return drawn.error();
+    stats.passes += counting.passes, stats.draws += counting.draws, stats.programs += counting.programs;
+    counting_.push_back(std::move(*query));
+    return {};
+}
+
+void Deformer::collect(gl::StageStats& stats) {
+    std::erase_if(counting_, [&](const gl::Query& query) {
+        if (!query.available()) return false;
+        stats.saturated += query.result();
+        return true;
+    });
+}
+
+void Deformer::finish(gl::StageStats& stats) {
+    for (const gl::Query& query : counting_) stats.saturated += query.result();
+    counting_.clear();
+}
+
+std::uint64_t Deformer::bytes() const {
+    std::uint64_t sum = 0;
+    for (const gl::Texture2D& texture : scratch_) sum += texture.bytes();
+    if (stamps_) sum += stamps_->bytes();
+    if (order_) sum += order_->bytes();
+    return sum;
+}
+
+}  // namespace tilth

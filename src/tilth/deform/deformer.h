@@ -1,0 +1,78 @@
+// The GPU executor: stamps applied by passes over their rectangles.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tilth/core/result.h"
+#include "tilth/deform/stamp_batches.h"
+#include "tilth/deform/weight_atlas.h"
+#include "tilth/gl/frame_stats.h"
+#include "tilth/gl/shader_library.h"
+#include "tilth/gl/texel_pass.h"
+#include "tilth/gl/texture_copy.h"
+#include "tilth/ground/prepared_stamp.h"
+#include "tilth/pool/height_planes.h"
+
+namespace tilth {
+
+/// A stamp for the GPU. `may_saturate` costs a pass of its own, in which the saturated texels are counted; leave it false
+/// when the bounds of the ground under the stamp rule it out.
+struct DeformStamp {
+    PreparedStamp prepared;
+    bool may_saturate = false;
+};
+
+/// Writes stamps into a map's height planes.
+///
+/// A pass draws the texels of its stamps into a scratch pair (grown to the largest pass seen), reading the planes, and
+/// copies them back; no texel is read and written by the same draw, nothing outside the stamps' rectangles is touched.
+/// Stamps whose rules read their own texel only share passes (`plan_batches`); smooth is a pass of its own. The arithmetic
+/// is shaders/shared/stamp_math.glsl, which the CPU executor compiles as C++: both leave the same bits.
+/// Programs are compiled at first use, one for each combination of what a pass holds.
+/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`.
+class Deformer {
+public:
+    static Result<Deformer> create(gl::Device& device, gl::ShaderLibrary& shaders);
+
+    /// Applies `stamps` in order. Never waits for the GPU. Counts passes, draws, texels, bytes and programs.
+    /// Fails with ShaderCompile or OutOfMemory; stamps before the failing pass are then applied.
+    Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats);
+
+    /// Adds the saturated texels whose counts have arrived. Never waits.
+    void collect(gl::StageStats& stats);
+    /// Waits for all counts.
+    void finish(gl::StageStats& stats);
+
+    [[nodiscard]] std::uint64_t bytes() const;
+
+private:
+    struct Variant {
+        bool bits16 = false, profiles = false, images = false, only_add = false, smooth = false, count = false;
+        auto operator<=>(const Variant&) const = default;
+    };
+    Deformer(gl::Device& device, gl::ShaderLibrary& shaders, gl::TextureCopy copy);
+
+    Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats);
+    Result<void> upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps, gl::StageStats& stats);
+    Result<void> reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes);
+    Result<gl::TexelPass*> pass_for(const Variant& variant, gl::StageStats& stats);
+    Result<void> count_saturated(Variant variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
+                                 gl::StageStats& stats);
+    Result<void> draw(const Variant& variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
+                      gl::StageStats& stats);
+
+    gl::Device* device_;
+    gl::ShaderLibrary* shaders_;
+    gl::TextureCopy copy_;
+    WeightAtlas atlas_;
+    std::vector<gl::Texture2D> scratch_;  ///< as many as the map has planes
+    std::optional<gl::TextureBuffer> stamps_, order_;
+    std::map<Variant, std::unique_ptr<gl::TexelPass>> passes_;
+    std::vector<gl::Query> counting_;
+};
+
+}  // namespace tilth

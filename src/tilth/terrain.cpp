@@ -1,0 +1,336 @@
+#include "tilth/terrain.h"
+
+#include <cmath>
+#include <utility>
+
+#include "tilth/core/log.h"
+#include "tilth/deform/deformer.h"
+#include "tilth/derive/slope_pass.h"
+#include "tilth/executor_choice.h"
+#include "tilth/gl/debug_group.h"
+#include "tilth/gl/device.h"
+#include "tilth/gl/shader_library.h"
+#include "tilth/gl/state_guard.h"
+#include "tilth/ground/raycast.h"
+#include "tilth/ground/stamp_range.h"
+#include "tilth/pool/height_planes.h"
+#include "tilth/render/height_bounds.h"
+#include "tilth/render/terrain_renderer.h"
+
+namespace tilth {
+namespace {
+
+/// The stages that need a context, in the order of the data's journey. `device` dies last.
+struct GpuStages {
+    std::unique_ptr<gl::Device> device;
+    std::unique_ptr<gl::ShaderLibrary> shaders;
+    std::optional<HeightPlanes> planes;
+    std::optional<Deformer> deformer;      ///< executor gpu only
+    std::optional<SlopePass> slope_pass;   ///< executor gpu only
+    std::optional<SlopeMap> slopes;
+    std::optional<TerrainRenderer> renderer;
+};
+
+}  // namespace
+
+struct Terrain::Impl {
+    std::unique_ptr<Ground> ground;
+    TerrainSettings settings;
+    ExecutorKind executor = ExecutorKind::Cpu;
+    std::string executor_reason = "cpu: no GL context";
+    std::optional<GpuStages> gpu;
+    std::optional<HeightBounds> bounds;
+    std::vector<StampRecord> queue;
+    std::vector<TexelRect> newer_on_gpu;   ///< where the CPU's coarse codes are out of date
+    gl::FrameStats frame, before;          ///< the current frame; all frames before it
+
+    [[nodiscard]] SlopeSettings slope_settings() const {
+        const MapGeometry& map = ground->map(MapKind::Coarse);
+        return {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m};
+    }
+
+    Result<void> create_gpu(gl::GetProc get_proc);
+    Result<void> choose_executor();
+    Result<void> create_stages();
+
+    Result<void> apply_queue(gl::FrameStats& stats);
+    void apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
+    Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
+    void derive(std::span<const TexelRect> changed, gl::FrameStats& stats);
+    void read_back(gl::FrameStats& stats);
+};
+
+// ---- creation ----
+
+Result<void> Terrain::Impl::create_gpu(gl::GetProc get_proc) {
+    gpu.emplace();
+    Result<std::unique_ptr<gl::Device>> device =
+        gl::Device::create(get_proc, {.collect_debug_messages = settings.collect_debug_messages});
+    if (!device) return device.error();
+    gpu->device = std::move(*device);
+    const gl::StateGuard guard(*gpu->device);
+    const gl::DebugGroup group(*gpu->device, "tilth: create");
+    gpu->shaders = std::make_unique<gl::ShaderLibrary>(
+        *gpu->device, settings.shader_folder.empty() ? gl::ShaderSource::embedded()
+                                                     : gl::ShaderSource::folder(settings.shader_folder));
+    if (const Result<void> chosen = choose_executor(); !chosen) return chosen.error();
+    return create_stages();
+}
+
+Result<void> Terrain::Impl::choose_executor() {
+    executor = settings.executor;
+    executor_reason = executor == ExecutorKind::Gpu ? "gpu: as asked for" : "cpu: as asked for";
+    if (executor != ExecutorKind::Automatic) return {};
+    const Result<ExecutorTimes> times = measure_executors(*gpu->device, *gpu->shaders, settings.ground.precision);
+    if (!times) return times.error();
+    executor = times->gpu_is_faster() ? ExecutorKind::Gpu : ExecutorKind::Cpu;
+    executor_reason = times->reason();
+    log(LogLevel::Info, executor_reason);
+    return {};
+}
+
+Result<void> Terrain::Impl::create_stages() {
+    gl::Device& device = *gpu->device;
+    const HeightField& field = ground->coarse();
+    const MapGeometry& map = ground->map(MapKind::Coarse);
+
+    Result<HeightPlanes> planes = HeightPlanes::create(device, field.width(), field.depth(), map.precision);
+    if (!planes) return planes.error();
+    gpu->planes = std::move(*planes);
+    Result<SlopeMap> slopes = SlopeMap::create(device, field.width(), field.depth(), settings.slopes);
+    if (!slopes) return slopes.error();
+    gpu->slopes = std::move(*slopes);
+
+    if (executor == ExecutorKind::Gpu) {
+        Result<Deformer> deformer = Deformer::create(device, *gpu->shaders);
+        if (!deformer) return deformer.error();
+        gpu->deformer = std::move(*deformer);
+        Result<SlopePass> pass = SlopePass::create(device, *gpu->shaders, map.precision, settings.slopes, slope_settings());
+        if (!pass) return pass.error();
+        gpu->slope_pass = std::move(*pass);
+        ++before.derive.programs;
+    }
+
+    const MapInfo info{.grid = {.origin = map.grid.origin,
+                                .spacing_m = map.grid.spacing_m,
+                                .width = field.width(),
+                                .depth = field.depth()},
+                       .codec = map.codec,
+                       .precision = map.precision,
+                       .slopes = settings.slopes,
+                       .mirrored = settings.ground.mirror};
+    Result<TerrainRenderer> renderer = TerrainRenderer::create(device, *gpu->shaders, settings.clipmap, info);
+    if (!renderer) return renderer.error();
+    gpu->renderer = std::move(*renderer);
+    ++before.render.programs;
+
+    bounds.emplace(field);
+    gpu->planes->upload(field, field.rect(), before.transfer);
+    const TexelRect whole = field.rect();
+    derive({&whole, 1}, before);
+    return {};
+}
+
+Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSource> source,
+                                                 const TerrainSettings& settings, gl::GetProc get_proc) {
+    auto impl = std::make_unique<Impl>();
+    impl->settings = settings;
+    Result<std::unique_ptr<Ground>> ground = Ground::create(std::move(source), settings.ground);
+    if (!ground) return ground.error();
+    impl->ground = std::move(*ground);
+    if (get_proc != nullptr) {
+        if (const Result<void> created = impl->create_gpu(get_proc); !created) return created.error();
+    } else if (settings.executor == ExecutorKind::Gpu) {
+        return Error{ErrorCode::Unsupported, "executor: gpu needs a GL context; pass its get-proc function, or take cpu"};
+    }
+    return std::unique_ptr<Terrain>(new Terrain(std::move(impl)));
+}
+
+Terrain::Terrain(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Terrain::~Terrain() = default;
+
+// ---- stamps ----
+
+ShapeLibrary& Terrain::shapes() { return impl_->ground->shapes(); }
+const Ground& Terrain::ground() const { return *impl_->ground; }
+
+Result<StampRecord> Terrain::stamp(const StampRequest& request) {
+    Result<StampRecord> record = impl_->ground->issue(request);
+    if (record) impl_->queue.push_back(*record);
+    return record;
+}
+
+void Terrain::replay(const StampRecord& record) { impl_->queue.push_back(record); }
+
+Result<void> Terrain::update(double /*dt_s*/) {
+    impl_->before += impl_->frame;
+    impl_->frame = {};
+    return impl_->apply_queue(impl_->frame);
+}
+
+Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
+    if (gpu && gpu->deformer) gpu->deformer->collect(stats.deform);
+    if (queue.empty()) return {};
+    std::vector<StampRecord> coarse;
+    for (const StampRecord& record : queue) {
+        if (record.map == MapKind::Coarse) {
+            coarse.push_back(record);
+            continue;
+        }
+        const ApplyResult result = ground->apply(record);  // detail codes live on the CPU
+        stats.deform.texels += result.texels;
+        stats.deform.saturated += result.saturated;
+        if (executor == ExecutorKind::Gpu) ++stats.deform.fallbacks;
+    }
+    queue.clear();
+    if (coarse.empty()) return {};
+    if (!gpu) {
+        std::vector<TexelRect> changed;
+        apply_on_cpu(coarse, stats, changed);
+        return {};
+    }
+    const gl::StateGuard guard(*gpu->device);
+    const gl::DebugGroup group(*gpu->device, "tilth: update");
+    std::vector<TexelRect> changed;
+    if (executor == ExecutorKind::Gpu) {
+        if (const Result<void> applied = apply_on_gpu(coarse, stats, changed); !applied) {
+            queue.insert(queue.begin(), coarse.begin(), coarse.end());
+            return applied.error();
+        }
+    } else {
+        apply_on_cpu(coarse, stats, changed);
+        for (const TexelRect& rect : changed) {
+            gpu->planes->upload(ground->coarse(), rect, stats.transfer);
+            bounds->widen(rect, ground->coarse());
+        }
+    }
+    derive(changed, stats);
+    return {};
+}
+
+void Terrain::Impl::apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats,
+                                 std::vector<TexelRect>& changed) {
+    for (const StampRecord& record : records) {
+        const ApplyResult result = ground->apply(record);
+        stats.deform.texels += result.texels;
+        stats.deform.saturated += result.saturated;
+        if (!result.rect.empty()) changed.push_back(result.rect);
+    }
+    changed = disjoint(changed);
+}
+
+Result<void> Terrain::Impl::apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
+                                         std::vector<TexelRect>& changed) {
+    const MapGeometry& map = ground->map(MapKind::Coarse);
+    std::vector<DeformStamp> stamps;
+    for (const StampRecord& record : records) {
+        DeformStamp stamp{.prepared = prepare(record, map, ground->shapes())};
+        const TexelRect rect = stamp.prepared.rect();
+        if (rect.empty()) continue;
+        // Smooth reads one post further, whose codes may then spread into the rectangle.
+        const CodeRange old = bounds->query(expanded(rect, 1));
+        const StampRange range = range_after(stamp.prepared, old.min, old.max);
+        stamp.may_saturate = range.may_saturate;
+        bounds->widen_by(rect, range.min, range.max);
+        changed.push_back(rect);
+        stamps.push_back(stamp);
+    }
+    if (const Result<void> applied = gpu->deformer->apply(stamps, *gpu->planes, stats.deform); !applied)
+        return applied.error();
+    changed = disjoint(changed);
+    newer_on_gpu.insert(newer_on_gpu.end(), changed.begin(), changed.end());
+    if (newer_on_gpu.size() > 256) newer_on_gpu = disjoint(newer_on_gpu);
+    return {};
+}
+
+void Terrain::Impl::derive(std::span<const TexelRect> changed, gl::FrameStats& stats) {
+    if (gpu->slope_pass)
+        gpu->slope_pass->run(changed, *gpu->planes, *gpu->slopes, stats.derive, stats.mips);
+    else
+        upload_slopes(changed, ground->coarse(), slope_settings(), *gpu->slopes, stats.derive, stats.mips, stats.transfer);
+}
+
+void Terrain::Impl::read_back(gl::FrameStats& stats) {
+    if (!gpu || !gpu->deformer) return;
+    gpu->deformer->finish(stats.deform);
+    if (newer_on_gpu.empty()) return;
+    const gl::StateGuard guard(*gpu->device);
+    const gl::DebugGroup group(*gpu->device, "tilth: read back");
+    for (const TexelRect& rect : disjoint(newer_on_gpu)) {
+        gpu->planes->read_back(rect, ground->mutable_coarse(), stats.transfer);
+        bounds->widen(rect, ground->coarse());
+    }
+    newer_on_gpu.clear();
+}
+
+Result<void> Terrain::drain() {
+    if (const Result<void> applied = impl_->apply_queue(impl_->before); !applied) return applied.error();
+    impl_->read_back(impl_->before);
+    return {};
+}
+
+// ---- drawing ----
+
+Result<void> Terrain::draw(const View& view, const Shading& shading, const BrushCursor* cursor) {
+    if (!impl_->gpu) return Error{ErrorCode::Unsupported, "draw: this terrain was created without a GL context"};
+    GpuStages& gpu = *impl_->gpu;
+    const gl::StateGuard guard(*gpu.device);
+    const gl::DebugGroup group(*gpu.device, "tilth: draw");
+    return gpu.renderer->draw(view, shading, cursor, *gpu.planes, *gpu.slopes, *impl_->bounds, impl_->frame.render);
+}
+
+Result<void> Terrain::reload_shaders() {
+    if (!impl_->gpu) return {};
+    const gl::StateGuard guard(*impl_->gpu->device);
+    return impl_->gpu->renderer->reload(*impl_->gpu->shaders);
+}
+
+// ---- queries ----
+
+double Terrain::height_m(WorldPos at, MapSelect select) {
+    impl_->read_back(impl_->before);
+    return impl_->ground->height_m(at, select);
+}
+
+std::optional<double> Terrain::raycast(const Vec3d& from, const Vec3d& direction, double max_m) {
+    impl_->read_back(impl_->before);
+    return tilth::raycast(*impl_->ground, from, direction, max_m);
+}
+
+StateHash Terrain::hash() {
+    impl_->read_back(impl_->before);
+    return impl_->ground->hash();
+}
+
+// ---- reports ----
+
+ExecutorKind Terrain::executor() const { return impl_->executor; }
+const std::string& Terrain::executor_reason() const { return impl_->executor_reason; }
+
+std::string Terrain::renderer() const { return impl_->gpu ? impl_->gpu->device->capabilities().renderer : std::string(); }
+
+std::string Terrain::gl_version() const {
+    if (!impl_->gpu) return {};
+    const gl::Version version = impl_->gpu->device->capabilities().version;
+    return text(version.major, ".", version.minor);
+}
+
+const gl::FrameStats& Terrain::last_frame() const { return impl_->frame; }
+
+gl::FrameStats Terrain::total() const {
+    gl::FrameStats sum = impl_->before;
+    sum += impl_->frame;
+    return sum;
+}
+
+std::uint64_t Terrain::gpu_bytes() const { return impl_->gpu ? impl_->gpu->device->resident_bytes() : 0; }
+std::uint64_t Terrain::cpu_bytes() const { return impl_->ground->bytes(); }
+
+std::vector<std::string> Terrain::take_debug_messages() {
+    std::vector<std::string> messages;
+    if (impl_->gpu)
+        for (const gl::DebugMessage& message : impl_->gpu->device->take_debug_messages()) messages.push_back(message.text);
+    return messages;
+}
+
+}  // namespace tilth

@@ -1,0 +1,55 @@
+# tilth::ground, which a dedicated server links, builds and links where no GL header and no GL library exists.
+include("${CMAKE_CURRENT_LIST_DIR}/poison.cmake")
+file(REMOVE_RECURSE "${WORK_DIR}")
+tilth_poison("${WORK_DIR}/poison" ${kGlHeaders})
+set(compile ${LAUNCHER} "${CXX}" -std=c++20 "-I${WORK_DIR}/poison" "-I${SOURCE_DIR}/src" "-I${SOURCE_DIR}/shaders")
+if(SANITIZE)
+    list(APPEND compile "-fsanitize=${SANITIZE}")
+endif()
+
+# The trap works.
+file(WRITE "${WORK_DIR}/trap.cpp" "#include <GL/gl.h>\nint main() {}\n")
+execute_process(COMMAND ${compile} -fsyntax-only "${WORK_DIR}/trap.cpp" RESULT_VARIABLE status ERROR_VARIABLE output)
+if(status EQUAL 0 OR NOT output MATCHES "poisoned: GL/gl.h")
+    message(FATAL_ERROR "the poisoned headers do not stop the compiler, so this test proves nothing: ${output}")
+endif()
+
+# Every header of the four layers, in one program, linked with the one library.
+set(includes "")
+set(count 0)
+foreach(layer core world source ground)
+    file(GLOB headers RELATIVE "${SOURCE_DIR}/src" "${SOURCE_DIR}/src/tilth/${layer}/*.h")
+    foreach(header ${headers})
+        string(APPEND includes "#include \"${header}\"\n")
+        math(EXPR count "${count} + 1")
+    endforeach()
+endforeach()
+if(count LESS 15)
+    message(FATAL_ERROR "only ${count} headers found")
+endif()
+file(WRITE "${WORK_DIR}/all_ground_headers.h" "${includes}")
+tilth_run("the program of tilth::ground alone" ${compile} -include "${WORK_DIR}/all_ground_headers.h"
+    "${SOURCE_DIR}/tests/house/consumer/stamped_ground.cpp" "${ARCHIVE}" -o "${WORK_DIR}/stamped_ground")
+tilth_run("running it" "${WORK_DIR}/stamped_ground")
+message(STATUS "${count} headers; ${RUN_OUTPUT}")
+
+# The library's own files; the preprocessor alone sees every include.
+foreach(layer core world source ground)
+    file(GLOB sources "${SOURCE_DIR}/src/tilth/${layer}/*.cpp")
+    if(sources)
+        tilth_run("preprocessing ${layer}" "${CXX}" -std=c++20 -mavx2 -M "-I${WORK_DIR}/poison" "-I${SOURCE_DIR}/src"
+            "-I${SOURCE_DIR}/shaders" ${sources})
+    endif()
+endforeach()
+
+tilth_run("nm" "${NM}" -u "${ARCHIVE}")
+string(REGEX MATCHALL " U [^\n]+" undefined "${RUN_OUTPUT}")
+list(LENGTH undefined count)
+if(count LESS 20)
+    message(FATAL_ERROR "nm lists only ${count} undefined symbols: ${RUN_OUTPUT}")
+endif()
+foreach(symbol ${undefined})
+    if(symbol MATCHES "^ U (gl|egl|glX|glfw|glad|OSMesa)[A-Z]")
+        message(SEND_ERROR "libtilth_ground.a needs${symbol}")
+    endif()
+endforeach()

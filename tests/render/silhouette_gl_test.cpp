@@ -1,0 +1,49 @@
+// The outline of the ground against the sky: the clipmap against a mesh of all posts, pixel by pixel.
+#include <cmath>
+#include <cstdio>
+
+#include "render/support/brute_force_mesh.h"
+
+namespace tilth::test {
+namespace {
+
+class SilhouetteGlTest : public GlTest {};
+
+// A walk at 2 m above ridged mountains, 1 m posts. TILTH_SILHOUETTE_POSITIONS=60 looks at every position.
+TEST_F(SilhouetteGlTest, DiffersFromAllPostsInFewPixels) {
+    const Mountains ground = mountains(1025, 200);
+    Scene scene(ground.field, ground.codec, {.clipmap = {.n = 255, .levels = 5, .blend = 0.1}});
+    BruteForceMesh reference(scene);
+    const Target target(1600, 900);
+    const char* wanted = std::getenv("TILTH_SILHOUETTE_POSITIONS");
+    constexpr int kPositions = 60;
+    const int step = std::max(1, kPositions / std::max(1, wanted != nullptr ? std::atoi(wanted) : 10));
+    int worst = 0, positions = 0;
+    long sum = 0;
+    for (int i = 0; i < kPositions; i += step) {
+        const double x = 150 + 11.3 * i, z = 870 - 12.1 * i;
+        const double turn = 0.35 * std::sin(0.4 * i) - 0.82;  // about the way, looking round
+        View view = scene.view_from(x, z, 2, {std::cos(turn), 0, std::sin(turn)});
+        const std::vector<std::uint8_t> drawn = scene.picture(target, view);
+        const std::vector<std::uint8_t> truth = reference.picture(target, view);
+        int differing = 0, sky = 0;
+        for (std::size_t p = 0; p < drawn.size(); p += 4) {
+            differing += is_magenta(&drawn[p]) != is_magenta(&truth[p]);
+            sky += is_magenta(&truth[p]);
+        }
+        if (i % 6 == 0) keep_picture(text("silhouette", i), drawn, 1600, 900), keep_picture(text("silhouette_truth", i), truth, 1600, 900);
+        std::printf("position %2d (%.0f, %.0f): %4d pixels differ, %d of sky, %u blocks, %u culled\n", i, x, z, differing, sky,
+                    scene.renderer().last_counts().blocks, scene.renderer().last_counts().culled_blocks);
+        EXPECT_GT(sky, 1000) << "nothing to compare";
+        EXPECT_LT(differing, 1000) << "position " << i;
+        worst = std::max(worst, differing);
+        sum += differing;
+        ++positions;
+    }
+    std::printf("silhouettes: worst %d, mean %.0f of 1 440 000 pixels at %d positions\n", worst,
+                static_cast<double>(sum) / positions, positions);
+    RecordProperty("worst", worst);
+}
+
+}  // namespace
+}  // namespace tilth::test
