@@ -12,7 +12,7 @@
 
 layout(location = 0) in ivec2 block_origin;  // units of 2^level posts
 layout(location = 1) in ivec2 block_size;    // quads; 0 on one axis for a stitch
-layout(location = 2) in int block_level;
+layout(location = 2) in ivec2 block_levels;  // of the vertices, of the surface: one coarser where it is refined
 
 uniform sampler2D u_high_plane, u_low_plane;
 uniform ivec2 u_last_post;     // of the world
@@ -27,6 +27,8 @@ uniform int u_n;               // vertices a side of a window
 uniform float u_zone_units;    // width of the morph zone
 uniform int u_coarsest_level;  // it does not morph
 uniform mat4 u_clip_from_relative;
+uniform samplerBuffer u_node_weights;  // how much of a refinement shows, see clipmap_refinement.h
+uniform ivec4 u_node_grids[16];        // of each level: first node x, z; nodes a row; index of the first weight
 
 invariant gl_Position;
 out vec3 v_position_m;  // relative to the eye
@@ -49,26 +51,66 @@ float height_m(int x, int z) {
     return code_difference(code, u_eye_code) * u_code_quantum_m - u_eye_above_code_m;
 }
 
+vec2 ground_m(int x, int z) { return vec2(ivec2(x, z) - u_base_post) * u_spacing_m - u_fraction_m; }
+
+float distance_units(int level, vec2 at_m) {
+    return max(abs(at_m.x), abs(at_m.y)) / (u_spacing_m * float(1 << level));
+}
+
+float alpha_at(int level, int x, int z) {
+    return level < u_coarsest_level ? morph_alpha(distance_units(level, ground_m(x, z)), u_n, u_zone_units) : 0.0;
+}
+
+// The height of a vertex of `level`, morphed. A post of the next coarser level stays exactly where it is.
+float vertex_m(int level, int x, int z) {
+    float height = height_m(x, z);
+    float alpha = alpha_at(level, x, z);
+    int x0 = coarse_low(x, level, u_last_post.x), x1 = coarse_high(x, level, u_last_post.x);
+    int z0 = coarse_low(z, level, u_last_post.y), z1 = coarse_high(z, level, u_last_post.y);
+    if (alpha <= 0.0 || (x0 == x1 && z0 == z1)) return height;
+    float coarse = cell_height(height_m(x0, z0), height_m(x1, z0), height_m(x0, z1), height_m(x1, z1),
+                               coarse_weight(x, x0, x1), coarse_weight(z, z0, z1));
+    return alpha < 1.0 ? height + alpha * (coarse - height) : coarse;
+}
+
+float node_weight(ivec4 grid, int x, int z) {
+    return texelFetch(u_node_weights, grid.w + (z - grid.y) * grid.z + x - grid.x).r;
+}
+
+float refinement_at(int level, int x, int z) {
+    int shift = level + 5;  // 32 units
+    int node_x = x >> shift, node_z = z >> shift;
+    float scale = 1.0 / float(1 << shift);
+    float tx = float(x - (node_x << shift)) * scale, tz = float(z - (node_z << shift)) * scale;
+    ivec4 grid = u_node_grids[level];
+    float near = mix(node_weight(grid, node_x, node_z), node_weight(grid, node_x + 1, node_z), tx);
+    float far = mix(node_weight(grid, node_x, node_z + 1), node_weight(grid, node_x + 1, node_z + 1), tx);
+    return mix(near, far, tz) *
+           refinement_fade(distance_units(level, ground_m(x, z)), u_n, level == u_coarsest_level);
+}
+
+// The height of a vertex of the level below `level` on the surface of `level`: exactly that surface where the refinement
+// is 0 and at the surface's own vertices.
+float refined_m(int level, int x, int z) {
+    int fine = level - 1;
+    int x0 = coarse_low(x, fine, u_last_post.x), x1 = coarse_high(x, fine, u_last_post.x);
+    int z0 = coarse_low(z, fine, u_last_post.y), z1 = coarse_high(z, fine, u_last_post.y);
+    float base = vertex_m(level, x0, z0);
+    if (x0 != x1 || z0 != z1)
+        base = cell_height(base, vertex_m(level, x1, z0), vertex_m(level, x0, z1), vertex_m(level, x1, z1),
+                           coarse_weight(x, x0, x1), coarse_weight(z, z0, z1));
+    float weight = refinement_at(level, x, z);
+    return weight > 0.0 ? base + weight * (height_m(x, z) - base) : base;
+}
+
 void main() {
     ivec2 corner = min(ivec2(gl_VertexID % kMeshVertices, gl_VertexID / kMeshVertices), block_size);
-    ivec2 post = min((block_origin + corner) << block_level, u_last_post);
-    vec2 ground_m = vec2(post - u_base_post) * u_spacing_m - u_fraction_m;
-    float height = height_m(post.x, post.y);
-
-    float alpha = 0.0;
-    if (block_level < u_coarsest_level) {
-        float unit_m = u_spacing_m * float(1 << block_level);
-        alpha = morph_alpha(max(abs(ground_m.x), abs(ground_m.y)) / unit_m, u_n, u_zone_units);
-        int x0 = coarse_low(post.x, block_level, u_last_post.x), x1 = coarse_high(post.x, block_level, u_last_post.x);
-        int z0 = coarse_low(post.y, block_level, u_last_post.y), z1 = coarse_high(post.y, block_level, u_last_post.y);
-        if (alpha > 0.0 && (x0 != x1 || z0 != z1)) {  // a post of the coarser level stays exactly where it is
-            float coarse = cell_height(height_m(x0, z0), height_m(x1, z0), height_m(x0, z1), height_m(x1, z1),
-                                       coarse_weight(post.x, x0, x1), coarse_weight(post.y, z0, z1));
-            height = alpha < 1.0 ? height + alpha * (coarse - height) : coarse;
-        }
-    }
-    v_position_m = vec3(ground_m.x, height, ground_m.y);
-    v_alpha = alpha;
-    v_level = block_level;
+    ivec2 post = min((block_origin + corner) << block_levels.x, u_last_post);
+    int level = block_levels.y;
+    vec2 at_m = ground_m(post.x, post.y);
+    float height = block_levels.x == level ? vertex_m(level, post.x, post.y) : refined_m(level, post.x, post.y);
+    v_position_m = vec3(at_m.x, height, at_m.y);
+    v_alpha = alpha_at(level, post.x, post.y);
+    v_level = level;
     gl_Position = u_clip_from_relative * vec4(v_position_m, 1.0);
 }

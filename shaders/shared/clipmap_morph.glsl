@@ -25,6 +25,14 @@ SHARED_FUNCTION float morph_alpha(float distance_units, int n, float zone_units)
     return min(max((distance_units - end) / zone_units + 1.0f, 0.0f), 1.0f);
 }
 
+// How much of a refinement shows: 0 on the ring's outer border and on its hole's, 1 from four units inside either.
+SHARED_FUNCTION float refinement_fade(float distance_units, int n, bool is_coarsest) {
+    float half_units = float(n - 1) * 0.5f;
+    float from_hole = (distance_units - (half_units + 1.0f) * 0.5f - kMorphSlack) * 0.25f;
+    float from_border = is_coarsest ? 1.0f : (half_units - 1.0f - kMorphSlack - distance_units) * 0.25f;
+    return min(max(min(from_hole, from_border), 0.0f), 1.0f);
+}
+
 // The posts of level + 1 about post p of `level` on one axis, 0 <= p <= last. Equal if p is itself such a post; the last
 // post of the map belongs to every level.
 SHARED_FUNCTION int coarse_low(int p, int level, int last) { return p >= last ? last : (p >> (level + 1)) << (level + 1); }

@@ -39,7 +39,8 @@ TEST_P(RouteTest, gives_a_core_context_that_draws) {
     // The default framebuffer is what the header says.
     device->gl().BindFramebuffer(GL_FRAMEBUFFER, 0);
     const GLenum status = device->gl().CheckFramebufferStatus(GL_FRAMEBUFFER);
-    EXPECT_EQ(status, static_cast<GLenum>(GetParam() == Route::Egl ? GL_FRAMEBUFFER_UNDEFINED : GL_FRAMEBUFFER_COMPLETE));
+    EXPECT_EQ(status,
+              static_cast<GLenum>(GetParam() == Route::Egl ? GL_FRAMEBUFFER_UNDEFINED : GL_FRAMEBUFFER_COMPLETE));
     EXPECT_TRUE(device->take_errors().empty());
 }
 

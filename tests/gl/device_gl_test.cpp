@@ -103,8 +103,8 @@ TEST_F(DeviceTest, groups_nest_and_are_no_messages) {
 
 TEST_F(DeviceTest, a_leak_is_reported_with_its_label) {
     std::string logged;
-    set_log_callback([](LogLevel, std::string_view message, void* user) { *static_cast<std::string*>(user) += message; },
-                     &logged);
+    set_log_callback(
+        [](LogLevel, std::string_view message, void* user) { *static_cast<std::string*>(user) += message; }, &logged);
     auto leaky = test::value(Device::create(test::test_context(test::default_route()).context->get_proc()));
     leaky->add_live(ObjectKind::Texture, 4711, 64, "forgotten tile");
     leaky.reset();

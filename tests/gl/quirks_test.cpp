@@ -8,8 +8,8 @@ namespace tilth::gl {
 namespace {
 
 TEST(Quirks, software_renderers_are_known_by_name) {
-    for (const char* renderer : {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "SWR (LLVM 11)",
-                                 "Google SwiftShader", "GDI Generic", "Apple Software Renderer"}) {
+    for (const char* renderer : {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "SWR (LLVM 11)", "Google SwiftShader",
+                                 "GDI Generic", "Apple Software Renderer"}) {
         const Quirks quirks = quirks_of("any", renderer);
         EXPECT_TRUE(quirks.software_rasterizer) << renderer;
         EXPECT_TRUE(quirks.timer_queries_lie) << renderer;
@@ -38,8 +38,10 @@ TEST(FrameStats, totals_add_every_member) {
     static_assert(sizeof(StageStats) == 8 * 8 + 2 * 8 && sizeof(FrameStats) == 4 * sizeof(StageStats) + 16);
     FrameStats total = frame;
     total += frame;
-    for (auto [stage, sum] : {std::pair{&frame.deform, &total.deform}, {&frame.derive, &total.derive},
-                              {&frame.mips, &total.mips}, {&frame.render, &total.render}}) {
+    for (auto [stage, sum] : {std::pair{&frame.deform, &total.deform},
+                              {&frame.derive, &total.derive},
+                              {&frame.mips, &total.mips},
+                              {&frame.render, &total.render}}) {
         const auto* one = &stage->passes;
         const auto* two = &sum->passes;
         for (int i = 0; i < 8; ++i) EXPECT_EQ(two[i], 2 * one[i]) << "member " << i;

@@ -15,11 +15,13 @@ class ShaderLibraryTest : public test::GlTest {
 protected:
     void SetUp() override {
         test::GlTest::SetUp();
-        folder_ = std::filesystem::temp_directory_path() /
-                  (std::string("tilth_shaders_").append(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+        folder_ =
+            std::filesystem::temp_directory_path() /
+            (std::string("tilth_shaders_").append(::testing::UnitTest::GetInstance()->current_test_info()->name()));
         std::filesystem::create_directories(folder_ / "shared");
-        write("a.vert", "void main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0, "
-                        "float(gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0); }\n");
+        write("a.vert",
+              "void main() { gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0, "
+              "float(gl_VertexID & 2) * 2.0 - 1.0, 0.0, 1.0); }\n");
     }
     void TearDown() override {
         std::filesystem::remove_all(folder_);
@@ -45,7 +47,8 @@ using Rgb = std::array<std::uint8_t, 3>;
 TEST_F(ShaderLibraryTest, errors_name_file_and_line_also_after_an_include) {
     write("shared/ok.glsl", "float one() {\n    return 1.0;\n}\n");
     write("shared/bad.glsl", "\n\nfloat two() { return undeclared_in_shared; }\n");
-    write("a.frag", "#include \"shared/ok.glsl\"\nout vec4 colour;\nvoid main() {\n    colour = vec4(undeclared_here);\n}\n");
+    write("a.frag",
+          "#include \"shared/ok.glsl\"\nout vec4 colour;\nvoid main() {\n    colour = vec4(undeclared_here);\n}\n");
     write("b.frag", "#include \"shared/ok.glsl\"\n#include \"shared/bad.glsl\"\nvoid main() {}\n");
     ShaderLibrary shaders = library();
     const auto a = shaders.program("a", "a.vert", "a.frag");
@@ -64,17 +67,19 @@ TEST_F(ShaderLibraryTest, errors_name_file_and_line_also_after_an_include) {
 TEST_F(ShaderLibraryTest, a_missing_file_and_a_link_error_are_told_apart) {
     ShaderLibrary shaders = library();
     EXPECT_EQ(shaders.program("none", "a.vert", "none.frag").error().code, ErrorCode::NotFound);
-    write("needs.frag", "in vec3 v_missing;\nout vec4 colour;\nvoid main() { colour = vec4(v_missing, 1.0); }\n");
-    const auto unlinked = shaders.program("needs", "a.vert", "needs.frag");
+    write("two.vert", "out vec2 v_mismatch;\nvoid main() { v_mismatch = vec2(1.0); gl_Position = vec4(0.0); }\n");
+    write("three.frag", "in vec3 v_mismatch;\nout vec4 colour;\nvoid main() { colour = vec4(v_mismatch, 1.0); }\n");
+    const auto unlinked = shaders.program("mismatched", "two.vert", "three.frag");
     ASSERT_FALSE(unlinked.ok());
     EXPECT_EQ(unlinked.error().code, ErrorCode::ShaderCompile);
-    EXPECT_NE(unlinked.error().message.find("v_missing"), std::string::npos) << unlinked.error().message;
+    EXPECT_NE(unlinked.error().message.find("v_mismatch"), std::string::npos) << unlinked.error().message;
     device().take_debug_messages();
 }
 
 TEST_F(ShaderLibraryTest, features_choose_and_outputs_follow_their_location) {
-    write("a.frag", "layout(location = 0) out vec4 colour;\nvoid main() {\n#ifdef GREEN\n    colour = vec4(0.0, GREEN, "
-                    "0.0, 1.0);\n#else\n    colour = vec4(1.0, 0.0, 0.0, 1.0);\n#endif\n}\n");
+    write("a.frag",
+          "layout(location = 0) out vec4 colour;\nvoid main() {\n#ifdef GREEN\n    colour = vec4(0.0, GREEN, "
+          "0.0, 1.0);\n#else\n    colour = vec4(1.0, 0.0, 0.0, 1.0);\n#endif\n}\n");
     ShaderLibrary shaders = library();
     EXPECT_EQ(drawn(test::value(shaders.program("red", "a.vert", "a.frag"))), (Rgb{255, 0, 0}));
     EXPECT_EQ(drawn(test::value(shaders.program("green", "a.vert", "a.frag", {{"GREEN", "1.0"}}))), (Rgb{0, 255, 0}));
@@ -83,8 +88,10 @@ TEST_F(ShaderLibraryTest, features_choose_and_outputs_follow_their_location) {
 
 TEST_F(ShaderLibraryTest, reload_takes_the_good_and_keeps_the_last_good) {
     const auto source = [](const char* colour) {
-        return text("uniform float u_unused_before;\nuniform float u_level;\nuniform sampler2D u_map;\nout vec4 result;\n"
-                    "void main() { result = ", colour, " + 0.0 * texelFetch(u_map, ivec2(0), 0); }\n");
+        return text(
+            "uniform float u_unused_before;\nuniform float u_level;\nuniform sampler2D u_map;\nout vec4 result;\n"
+            "void main() { result = ",
+            colour, " + texelFetch(u_map, ivec2(0), 0); }\n");
     };
     write("a.frag", source("vec4(u_level, 0.0, 0.0, 1.0)"));
     ShaderLibrary shaders = library();
@@ -92,6 +99,8 @@ TEST_F(ShaderLibraryTest, reload_takes_the_good_and_keeps_the_last_good) {
     const Uniform level = program.uniform("u_level");
     program.sampler("u_map", 7);
     Texture2D map = test::value(Texture2D::create(device(), "map", {Format::Rgba8, 1, 1}));
+    const std::array<std::uint8_t, 4> zero{};
+    map.upload(0, map.bounds(), zero.data());
     map.bind(7);
     program.bind();
     program.set(level, 1.0f);

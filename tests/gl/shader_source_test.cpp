@@ -58,9 +58,10 @@ TEST(ResolveIncludes, starts_with_version_defines_and_features) {
 }
 
 TEST(ResolveIncludes, every_line_keeps_its_file_and_number) {
-    const Files files{{"deform/a.frag", "// 1\n#include \"shared/x.glsl\"\na3\n  #  include \"shared/y.glsl\" // why\na5"},
-                      {"shared/x.glsl", "x1\n#include \"shared/y.glsl\"\nx3\n"},
-                      {"shared/y.glsl", "#pragma once\ny2\r\n"}};
+    const Files files{
+        {"deform/a.frag", "// 1\n#include \"shared/x.glsl\"\na3\n  #  include \"shared/y.glsl\" // why\na5"},
+        {"shared/x.glsl", "x1\n#include \"shared/y.glsl\"\nx3\n"},
+        {"shared/y.glsl", "#pragma once\ny2\r\n"}};
     const auto source = resolve(files, "deform/a.frag");
     ASSERT_TRUE(source.ok());
     const ResolvedSource resolved = *source;
@@ -74,10 +75,11 @@ TEST(ResolveIncludes, every_line_keeps_its_file_and_number) {
 }
 
 TEST(ResolveIncludes, finds_files_from_the_root_with_prefix_and_beside) {
-    const Files files{{"shared/a.glsl", "#include \"shaders/shared/b.glsl\"\n#include \"c.glsl\"\n#include \"../d.glsl\"\n"},
-                      {"shared/b.glsl", "b\n"},
-                      {"shared/c.glsl", "c\n"},
-                      {"d.glsl", "d\n"}};
+    const Files files{
+        {"shared/a.glsl", "#include \"shaders/shared/b.glsl\"\n#include \"c.glsl\"\n#include \"../d.glsl\"\n"},
+        {"shared/b.glsl", "b\n"},
+        {"shared/c.glsl", "c\n"},
+        {"d.glsl", "d\n"}};
     const auto source = resolve(files, "shared/a.glsl");
     ASSERT_TRUE(source.ok()) << source.error().message;
     EXPECT_EQ(source->files, (std::vector<std::string>{"shared/a.glsl", "shared/b.glsl", "shared/c.glsl", "d.glsl"}));
@@ -98,7 +100,8 @@ TEST(ResolveIncludes, a_missing_file_is_named_with_the_line_that_wants_it) {
 }
 
 TEST(ResolveIncludes, a_cycle_is_named_as_a_chain) {
-    const Files files{{"a.glsl", "#include \"b.glsl\"\n"}, {"b.glsl", "x\n#include \"c.glsl\"\n"},
+    const Files files{{"a.glsl", "#include \"b.glsl\"\n"},
+                      {"b.glsl", "x\n#include \"c.glsl\"\n"},
                       {"c.glsl", "#include \"b.glsl\"\n"}};
     const auto source = resolve(files, "a.glsl");
     ASSERT_FALSE(source.ok());

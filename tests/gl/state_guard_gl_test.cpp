@@ -47,6 +47,8 @@ public:
         }
     }
 
+    void forget_program(std::size_t variant) { objects_[variant].program = 0; }
+
     /// Sets every piece of state that the library may touch; variants 0 and 1 differ in each, and from the defaults
     /// wherever there is a third value.
     void set(int variant) {
@@ -76,8 +78,8 @@ public:
             else
                 gl_.BindBufferRange(GL_UNIFORM_BUFFER, i, o.buffers[6], 256 * (v + 1), 512);
         }
-        constexpr std::array targets{GL_ARRAY_BUFFER, GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER, GL_COPY_READ_BUFFER,
-                                     GL_COPY_WRITE_BUFFER, GL_UNIFORM_BUFFER};
+        constexpr std::array targets{GL_ARRAY_BUFFER,     GL_PIXEL_PACK_BUFFER, GL_PIXEL_UNPACK_BUFFER,
+                                     GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, GL_UNIFORM_BUFFER};
         for (std::size_t i = 0; i < targets.size(); ++i) gl_.BindBuffer(targets[i], o.buffers[i]);
 
         for (GLenum what : {GL_PACK_SWAP_BYTES, GL_UNPACK_SWAP_BYTES, GL_PACK_LSB_FIRST, GL_UNPACK_LSB_FIRST})
@@ -123,10 +125,10 @@ public:
         gl_.PolygonOffset(1.5f + f, -2.25f);
         gl_.LineWidth(odd ? 2 : 1);
         gl_.ProvokingVertex(odd ? GL_FIRST_VERTEX_CONVENTION : GL_LAST_VERTEX_CONVENTION);
-        for (GLenum what : {GL_POLYGON_OFFSET_FILL, GL_POLYGON_OFFSET_LINE, GL_DITHER, GL_FRAMEBUFFER_SRGB,
-                            GL_COLOR_LOGIC_OP, GL_STENCIL_TEST, GL_RASTERIZER_DISCARD, GL_MULTISAMPLE,
-                            GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,
-                            GL_PRIMITIVE_RESTART})
+        for (GLenum what :
+             {GL_POLYGON_OFFSET_FILL, GL_POLYGON_OFFSET_LINE, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP,
+              GL_STENCIL_TEST, GL_RASTERIZER_DISCARD, GL_MULTISAMPLE, GL_SAMPLE_ALPHA_TO_COVERAGE,
+              GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
             toggle(what, odd);
         for (GLenum i = 0; i < 8; ++i) toggle(GL_CLIP_DISTANCE0 + i, odd);
         gl_.LogicOp(odd ? GL_XOR : GL_NAND);
@@ -190,6 +192,24 @@ TEST_F(StateGuardTest, each_entry_of_the_table_is_needed) {
         EXPECT_NE(test::difference(before, test::capture_state(device())), "")
             << "without \"" << name << "\" nothing is missing: the test does not change it, or the entry is dead";
     }
+}
+
+TEST_F(StateGuardTest, a_program_that_the_host_deleted_while_in_use_is_no_error) {
+    const Api& gl = device().gl();
+    HostState host(device());
+    StateGuard outer(device());
+    host.set(0);
+    GLint program = 0;
+    gl.GetIntegerv(GL_CURRENT_PROGRAM, &program);
+    gl.DeleteProgram(static_cast<GLuint>(program));
+    {
+        StateGuard guard(device());
+        gl.UseProgram(0);
+    }
+    EXPECT_TRUE(device().take_errors().empty());
+    gl.GetIntegerv(GL_CURRENT_PROGRAM, &program);
+    EXPECT_EQ(program, 0);
+    host.forget_program(0);
 }
 
 TEST_F(StateGuardTest, capture_leaves_the_state_alone) {

@@ -18,7 +18,8 @@ protected:
     Texture2D integers(const char* label, int width, int height, int levels = 1) {
         Texture2D texture = test::value(Texture2D::create(device(), label, {Format::Rgba32I, width, height, levels}));
         for (int level = 0; level < levels; ++level) {
-            const std::vector<std::int32_t> fill(static_cast<std::size_t>(texture.bounds(level).count()) * 4, kSentinel);
+            const std::vector<std::int32_t> fill(static_cast<std::size_t>(texture.bounds(level).count()) * 4,
+                                                 kSentinel);
             texture.upload(level, texture.bounds(level), fill.data());
         }
         return texture;
@@ -31,7 +32,8 @@ protected:
     /// Draws `rects` and compares both targets, texel by texel, with a painter's loop.
     void draw_and_compare(int width, int height, const std::vector<PassRect>& rects, int level = 0, int levels = 1,
                           bool spoil = false) {
-        Texture2D payload = integers("payload", width, height, levels), place = integers("place", width, height, levels);
+        Texture2D payload = integers("payload", width, height, levels),
+                  place = integers("place", width, height, levels);
         ShaderLibrary library = shaders();
         TexelPass pass = test::value(TexelPass::create(device(), library, "write payload", "gl/write_payload.frag"));
         StageStats stats;
@@ -91,9 +93,14 @@ TEST_F(TexelPassTest, random_rectangles_cover_exactly_their_texels) {
     for (const auto& [width, height] : {std::pair{1, 1}, {7, 3}, {64, 64}, {131, 257}}) {
         std::vector<PassRect> rects;
         for (int i = 0; i < 40; ++i) {
-            const auto pick = [&](int most) { return static_cast<int>(random() % static_cast<unsigned>(most + 8)) - 4; };
+            const auto pick = [&](int most) {
+                return static_cast<int>(random() % static_cast<unsigned>(most + 8)) - 4;
+            };
             const int x0 = pick(width), x1 = pick(width), z0 = pick(height), z1 = pick(height);
-            rects.push_back({std::min(x0, x1), std::min(z0, z1), std::max(x0, x1), std::max(z0, z1),
+            rects.push_back({std::min(x0, x1),
+                             std::min(z0, z1),
+                             std::max(x0, x1),
+                             std::max(z0, z1),
                              {i, -i, static_cast<std::int32_t>(random()), 0x7fffffff}});
         }
         draw_and_compare(width, height, rects);

@@ -251,6 +251,29 @@ TEST(HeightFile, OptionsThatMakeNoSenseAreRefused) {
     EXPECT_EQ(refused(path, options).code, ErrorCode::InvalidArgument);
 }
 
+// A length in a file is believed only as far as the file reaches: the decoder is not even asked.
+TEST(HeightFile, LengthsBeyondTheFileAreRefusedBeforeDecoding) {
+    const ScratchFolder folder;
+    const auto damaged = [&](const char* name, std::size_t at, char value) {
+        std::vector<char> bytes = folder.get(name);
+        bytes[at] = value;
+        return folder.put(std::string("damaged_") + name, bytes);
+    };
+    const std::vector<float> floats(9, 1.5f);
+    const std::vector<std::uint16_t> values(9, 7);
+    ASSERT_TRUE(write_heights_u16(folder.path("a.png"), values, 3, 3, {}).ok());
+    ASSERT_TRUE(write_floats(folder.path("a.exr"), floats, 3, 3).ok());
+    EXPECT_REFUSED_FOR("a chunk of", damaged("a.png", 33, 0x7f));  // highest byte of the second chunk's length
+
+    const std::vector<char> exr = folder.get("a.exr");
+    const std::string text(exr.begin(), exr.end());
+    const std::size_t channels = text.find(std::string("channels\0chlist\0", 16)) + 16;
+    EXPECT_REFUSED_FOR("an attribute of", damaged("a.exr", channels + 3, 0x40));
+    const std::size_t window = text.find(std::string("dataWindow\0box2i\0", 17)) + 17 + 4;
+    EXPECT_REFUSED_FOR("16384", damaged("a.exr", window + 11, 0x40));  // highest byte of the last column
+    EXPECT_REFUSED_FOR("16384", damaged("a.exr", window + 15, -1));    // last row before the first
+}
+
 // ---- damage: every prefix and every flipped bit of small valid files is an error that names the file, or an image
 // ----
 

@@ -12,7 +12,7 @@ class SilhouetteGlTest : public GlTest {};
 // A walk at 2 m above ridged mountains, 1 m posts. TILTH_SILHOUETTE_POSITIONS=60 looks at every position.
 TEST_F(SilhouetteGlTest, DiffersFromAllPostsInFewPixels) {
     const Mountains ground = mountains(1025, 200);
-    Scene scene(ground.field, ground.codec, {.clipmap = {.n = 255, .levels = 5, .blend = 0.1}});
+    Scene scene(ground.field, ground.codec, {.clipmap = {.n = 255, .levels = 5, .blend = 0.1, .refine_above_px = std::getenv("PX") ? std::atof(std::getenv("PX")) : 1.5}});
     BruteForceMesh reference(scene);
     const Target target(1600, 900);
     const char* wanted = std::getenv("TILTH_SILHOUETTE_POSITIONS");
@@ -32,8 +32,8 @@ TEST_F(SilhouetteGlTest, DiffersFromAllPostsInFewPixels) {
             sky += is_magenta(&truth[p]);
         }
         if (i % 6 == 0) keep_picture(text("silhouette", i), drawn, 1600, 900), keep_picture(text("silhouette_truth", i), truth, 1600, 900);
-        std::printf("position %2d (%.0f, %.0f): %4d pixels differ, %d of sky, %u blocks, %u culled\n", i, x, z, differing, sky,
-                    scene.renderer().last_counts().blocks, scene.renderer().last_counts().culled_blocks);
+        std::printf("position %2d (%.0f, %.0f): %4d pixels differ, %d of sky, %u blocks (%u refined), %u culled\n", i, x, z, differing, sky,
+                    scene.renderer().last_counts().blocks, scene.renderer().last_counts().refined_blocks, scene.renderer().last_counts().culled_blocks);
         EXPECT_GT(sky, 1000) << "nothing to compare";
         EXPECT_LT(differing, 1000) << "position " << i;
         worst = std::max(worst, differing);

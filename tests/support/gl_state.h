@@ -90,9 +90,9 @@ inline GlState capture_state(const gl::Device& device) {
         get("GL_ELEMENT_ARRAY_BUFFER_BINDING", GL_ELEMENT_ARRAY_BUFFER_BINDING);
         for (GLuint i = 0; i < 16; ++i) {
             std::vector<double> values;
-            for (GLenum what : {GL_VERTEX_ATTRIB_ARRAY_ENABLED, GL_VERTEX_ATTRIB_ARRAY_SIZE,
-                                GL_VERTEX_ATTRIB_ARRAY_STRIDE, GL_VERTEX_ATTRIB_ARRAY_TYPE,
-                                GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING, GL_VERTEX_ATTRIB_ARRAY_DIVISOR}) {
+            for (GLenum what :
+                 {GL_VERTEX_ATTRIB_ARRAY_ENABLED, GL_VERTEX_ATTRIB_ARRAY_SIZE, GL_VERTEX_ATTRIB_ARRAY_STRIDE,
+                  GL_VERTEX_ATTRIB_ARRAY_TYPE, GL_VERTEX_ATTRIB_ARRAY_BUFFER_BINDING, GL_VERTEX_ATTRIB_ARRAY_DIVISOR}) {
                 GLint attribute = 0;
                 gl.GetVertexAttribiv(i, what, &attribute);
                 values.push_back(attribute);
@@ -150,7 +150,8 @@ inline GlState capture_state(const gl::Device& device) {
         gl.GetIntegeri_v(GL_SCISSOR_BOX, index, scissor);
         gl.GetDoublei_v(GL_DEPTH_RANGE, index, range);
         state[text("viewport", of)] = {box[0], box[1], box[2], box[3]};
-        state[text("scissor box", of)] = {double(scissor[0]), double(scissor[1]), double(scissor[2]), double(scissor[3])};
+        state[text("scissor box", of)] = {double(scissor[0]), double(scissor[1]), double(scissor[2]),
+                                          double(scissor[3])};
         state[text("depth range", of)] = {range[0], range[1]};
         state[text("scissor test", of)] = {double(gl.IsEnabledi(GL_SCISSOR_TEST, index))};
     }
@@ -263,7 +264,8 @@ inline std::string difference(const GlState& before, const GlState& after) {
         out << name << ':';
         for (double value : values) out << ' ' << value;
         out << " ->";
-        if (now == after.end()) out << " (gone)";
+        if (now == after.end())
+            out << " (gone)";
         else
             for (double value : now->second) out << ' ' << value;
         out << '\n';

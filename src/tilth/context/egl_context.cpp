@@ -28,8 +28,8 @@ constexpr EglInt kContextMajorVersion = 0x3098;
 constexpr EglInt kContextMinorVersion = 0x30FB;
 constexpr EglInt kContextProfileMask = 0x30FD;
 constexpr EglInt kContextCoreProfileBit = 0x0001;
-constexpr EglInt kContextFlags = 0x30FC;          // EGL_KHR_create_context
-constexpr EglInt kContextDebugBit = 0x0001;       // EGL_KHR_create_context
+constexpr EglInt kContextFlags = 0x30FC;     // EGL_KHR_create_context
+constexpr EglInt kContextDebugBit = 0x0001;  // EGL_KHR_create_context
 constexpr EglEnum kPlatformSurfacelessMesa = 0x31DD;
 constexpr EglEnum kPlatformDevice = 0x313F;
 
@@ -63,17 +63,15 @@ const Egl* egl() {
         // RTLD_LOCAL: the GL entry points of two front ends do not meet.
         e.library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
         if (e.library == nullptr) return e;
-        const bool complete = find(e.library, "eglGetProcAddress", e.GetProcAddress) &&
-                              find(e.library, "eglQueryString", e.QueryString) &&
-                              find(e.library, "eglGetError", e.GetError) &&
-                              find(e.library, "eglGetDisplay", e.GetDisplay) &&
-                              find(e.library, "eglInitialize", e.Initialize) &&
-                              find(e.library, "eglBindAPI", e.BindAPI) &&
-                              find(e.library, "eglChooseConfig", e.ChooseConfig) &&
-                              find(e.library, "eglCreateContext", e.CreateContext) &&
-                              find(e.library, "eglDestroyContext", e.DestroyContext) &&
-                              find(e.library, "eglMakeCurrent", e.MakeCurrent) &&
-                              find(e.library, "eglGetCurrentContext", e.GetCurrentContext);
+        const bool complete =
+            find(e.library, "eglGetProcAddress", e.GetProcAddress) &&
+            find(e.library, "eglQueryString", e.QueryString) && find(e.library, "eglGetError", e.GetError) &&
+            find(e.library, "eglGetDisplay", e.GetDisplay) && find(e.library, "eglInitialize", e.Initialize) &&
+            find(e.library, "eglBindAPI", e.BindAPI) && find(e.library, "eglChooseConfig", e.ChooseConfig) &&
+            find(e.library, "eglCreateContext", e.CreateContext) &&
+            find(e.library, "eglDestroyContext", e.DestroyContext) &&
+            find(e.library, "eglMakeCurrent", e.MakeCurrent) &&
+            find(e.library, "eglGetCurrentContext", e.GetCurrentContext);
         if (!complete) {
             e.library = nullptr;
             return e;
@@ -137,8 +135,8 @@ public:
     Result<void> make_current() override {
         egl_.BindAPI(kOpenglApi);  // is per thread
         if (egl_.MakeCurrent(display_, nullptr, nullptr, context_) != 0) return {};
-        return Error{ErrorCode::GlContext, text("EGL: eglMakeCurrent without a surface failed with ", hex(egl_.GetError()),
-                                                " on platform ", platform)};
+        return Error{ErrorCode::GlContext, text("EGL: eglMakeCurrent without a surface failed with ",
+                                                hex(egl_.GetError()), " on platform ", platform)};
     }
     void release_current() override {
         if (egl_.GetCurrentContext() == context_) egl_.MakeCurrent(display_, nullptr, nullptr, nullptr);
@@ -172,7 +170,7 @@ Result<Handle> context_on(const Egl& e, Handle display, bool debug) {
         if (!has_word(extensions, "EGL_KHR_no_config_context")) return failed("eglChooseConfig");
         config = nullptr;
     }
-    std::vector<EglInt> attributes{kContextMajorVersion, 3, kContextMinorVersion, 3, kContextProfileMask,
+    std::vector<EglInt> attributes{kContextMajorVersion,  3, kContextMinorVersion, 3, kContextProfileMask,
                                    kContextCoreProfileBit};
     if (debug) attributes.insert(attributes.end(), {kContextFlags, kContextDebugBit});
     attributes.push_back(kNone);

@@ -1,8 +1,15 @@
 #include "tilth/context/offscreen_context.h"
 
+#include <utility>
+
 #include "tilth/context/implementation.h"
 
 namespace tilth::context {
+namespace {
+/// The context of this library that is current on this thread. Each route's library knows only its own contexts and
+/// answers "already current" although the other's has taken its place, so the old one is left first.
+thread_local OffscreenContext::Implementation* current = nullptr;
+}  // namespace
 
 std::string_view name_of(Route route) { return route == Route::Egl ? "egl" : "osmesa"; }
 
@@ -14,9 +21,14 @@ Result<Route> route_of(std::string_view name) {
 
 OffscreenContext::OffscreenContext(std::unique_ptr<Implementation> implementation)
     : implementation_(std::move(implementation)) {}
-OffscreenContext::~OffscreenContext() = default;
+OffscreenContext::~OffscreenContext() {
+    if (implementation_) release_current();
+}
 OffscreenContext::OffscreenContext(OffscreenContext&&) noexcept = default;
-OffscreenContext& OffscreenContext::operator=(OffscreenContext&&) noexcept = default;
+OffscreenContext& OffscreenContext::operator=(OffscreenContext&& other) noexcept {
+    std::swap(implementation_, other.implementation_);
+    return *this;
+}
 
 Result<OffscreenContext> OffscreenContext::create(Route route, const Options& options) {
     if (options.width < 1 || options.height < 1)
@@ -30,8 +42,19 @@ Result<OffscreenContext> OffscreenContext::create(Route route, const Options& op
     return context;
 }
 
-Result<void> OffscreenContext::make_current() { return implementation_->make_current(); }
-void OffscreenContext::release_current() { implementation_->release_current(); }
+Result<void> OffscreenContext::make_current() {
+    if (current != nullptr && current != implementation_.get()) current->release_current();
+    current = nullptr;
+    if (Result<void> made = implementation_->make_current(); !made) return made;
+    current = implementation_.get();
+    return {};
+}
+
+void OffscreenContext::release_current() {
+    implementation_->release_current();
+    if (current == implementation_.get()) current = nullptr;
+}
+
 gl::GetProc OffscreenContext::get_proc() const { return implementation_->get_proc(); }
 Route OffscreenContext::route() const { return implementation_->route(); }
 const std::string& OffscreenContext::renderer() const { return implementation_->renderer; }

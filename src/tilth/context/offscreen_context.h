@@ -29,8 +29,9 @@ struct Options {
 /// Owns a GL context of at least 3.3 core.
 ///
 /// By EGL there is NO default framebuffer (its status is GL_FRAMEBUFFER_UNDEFINED): every draw needs a bound
-/// framebuffer object, also with rasterisation off. Both routes may live in one process, one context current at a
-/// time on a thread: leave one (`release_current`) before another becomes current.
+/// framebuffer object, also with rasterisation off. Both routes may live in one process. One context is
+/// current at a time on a thread: making one current leaves the last one made by this library; a context that the
+/// host made otherwise must be left by the host.
 /// Threads: current on one thread at a time; create and destroy on one thread.
 class OffscreenContext {
 public:

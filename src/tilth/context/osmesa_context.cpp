@@ -99,8 +99,8 @@ Result<std::unique_ptr<OffscreenContext::Implementation>> make_osmesa(const Opti
         return Error{ErrorCode::GlContext,
                      "OSMesa: libOSMesa.so.8 cannot be loaded; install it (Debian 12: libosmesa6; Mesa 25.1 and later "
                      "no longer have it) or use the egl route"};
-    const std::array<int, 13> attributes{kFormat,      kRgba,        kDepthBits,           24, kStencilBits,         8,
-                                         kProfile,     kCoreProfile, kContextMajorVersion, 3,  kContextMinorVersion, 3,
+    const std::array<int, 13> attributes{kFormat,  kRgba,        kDepthBits,           24, kStencilBits,         8,
+                                         kProfile, kCoreProfile, kContextMajorVersion, 3,  kContextMinorVersion, 3,
                                          0};
     Context context = o->CreateContextAttribs(attributes.data(), nullptr);
     if (context == nullptr)

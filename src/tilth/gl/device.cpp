@@ -71,12 +71,18 @@ Capabilities capabilities_of(const Api& gl) {
 
 std::string kind_of(GLenum type) {
     switch (type) {
-        case GL_DEBUG_TYPE_ERROR: return "error";
-        case GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR: return "deprecated";
-        case GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR: return "undefined";
-        case GL_DEBUG_TYPE_PORTABILITY: return "portability";
-        case GL_DEBUG_TYPE_PERFORMANCE: return "performance";
-        default: return "other";
+        case GL_DEBUG_TYPE_ERROR:
+            return "error";
+        case GL_DEBUG_TYPE_DEPRECATED_BEHAVIOR:
+            return "deprecated";
+        case GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR:
+            return "undefined";
+        case GL_DEBUG_TYPE_PORTABILITY:
+            return "portability";
+        case GL_DEBUG_TYPE_PERFORMANCE:
+            return "performance";
+        default:
+            return "other";
     }
 }
 
@@ -96,12 +102,18 @@ void GLAD_API_PTR on_debug_message(GLenum source, GLenum type, GLuint id, GLenum
 
 const char* name_of(ObjectKind kind) {
     switch (kind) {
-        case ObjectKind::Texture: return "texture";
-        case ObjectKind::Buffer: return "buffer";
-        case ObjectKind::VertexArray: return "vertex array";
-        case ObjectKind::Framebuffer: return "framebuffer";
-        case ObjectKind::Program: return "program";
-        case ObjectKind::Query: return "query";
+        case ObjectKind::Texture:
+            return "texture";
+        case ObjectKind::Buffer:
+            return "buffer";
+        case ObjectKind::VertexArray:
+            return "vertex array";
+        case ObjectKind::Framebuffer:
+            return "framebuffer";
+        case ObjectKind::Program:
+            return "program";
+        case ObjectKind::Query:
+            return "query";
     }
     return "object";
 }
@@ -114,15 +126,24 @@ bool Capabilities::has_extension(std::string_view name) const {
 
 std::string error_name(unsigned gl_error) {
     switch (gl_error) {
-        case GL_NO_ERROR: return "GL_NO_ERROR";
-        case GL_INVALID_ENUM: return "GL_INVALID_ENUM";
-        case GL_INVALID_VALUE: return "GL_INVALID_VALUE";
-        case GL_INVALID_OPERATION: return "GL_INVALID_OPERATION";
-        case GL_INVALID_FRAMEBUFFER_OPERATION: return "GL_INVALID_FRAMEBUFFER_OPERATION";
-        case GL_OUT_OF_MEMORY: return "GL_OUT_OF_MEMORY";
-        case GL_STACK_UNDERFLOW: return "GL_STACK_UNDERFLOW";
-        case GL_STACK_OVERFLOW: return "GL_STACK_OVERFLOW";
-        default: return text("GL error ", gl_error);
+        case GL_NO_ERROR:
+            return "GL_NO_ERROR";
+        case GL_INVALID_ENUM:
+            return "GL_INVALID_ENUM";
+        case GL_INVALID_VALUE:
+            return "GL_INVALID_VALUE";
+        case GL_INVALID_OPERATION:
+            return "GL_INVALID_OPERATION";
+        case GL_INVALID_FRAMEBUFFER_OPERATION:
+            return "GL_INVALID_FRAMEBUFFER_OPERATION";
+        case GL_OUT_OF_MEMORY:
+            return "GL_OUT_OF_MEMORY";
+        case GL_STACK_UNDERFLOW:
+            return "GL_STACK_UNDERFLOW";
+        case GL_STACK_OVERFLOW:
+            return "GL_STACK_OVERFLOW";
+        default:
+            return text("GL error ", gl_error);
     }
 }
 
@@ -137,8 +158,9 @@ Device::Device() : api_(std::make_unique<Api>()) {}
 
 Device::~Device() {
     for (const LiveObject& object : live_)
-        log(LogLevel::Error, text("GL ", name_of(object.kind), " ", object.id, " \"", object.label, "\" (", object.bytes,
-                                  " bytes) is still alive when its device is destroyed; destroy its owner first"));
+        log(LogLevel::Error,
+            text("GL ", name_of(object.kind), " ", object.id, " \"", object.label, "\" (", object.bytes,
+                 " bytes) is still alive when its device is destroyed; destroy its owner first"));
     if (host_debug_) remove_debug_callback();
 }
 
@@ -244,9 +266,8 @@ void Device::resize_live(ObjectKind kind, unsigned id, std::uint64_t bytes) {
 }
 
 void Device::remove_live(ObjectKind kind, unsigned id) {
-    const auto found = std::find_if(live_.begin(), live_.end(), [&](const LiveObject& object) {
-        return object.kind == kind && object.id == id;
-    });
+    const auto found = std::find_if(live_.begin(), live_.end(),
+                                    [&](const LiveObject& object) { return object.kind == kind && object.id == id; });
     TILTH_ASSERT(found != live_.end(), "a GL object is deleted twice, or was not registered");
     resident_bytes_ -= found->bytes;
     *found = std::move(live_.back());

@@ -25,19 +25,19 @@ struct Version {
 struct Capabilities {
     Version version;
     std::string vendor, renderer, version_text;
-    int max_texture_size = 0;             ///< texels a side
+    int max_texture_size = 0;  ///< texels a side
     int max_array_layers = 0;
-    int max_buffer_texels = 0;            ///< of a buffer texture
+    int max_buffer_texels = 0;  ///< of a buffer texture
     int max_uniform_block_bytes = 0;
-    int max_vertex_textures = 0;          ///< texture units a vertex shader may read
-    int max_texture_units = 0;            ///< of all shader stages together
+    int max_vertex_textures = 0;  ///< texture units a vertex shader may read
+    int max_texture_units = 0;    ///< of all shader stages together
     int max_colour_attachments = 0;
     int max_geometry_vertices = 0;
-    int max_patch_vertices = 0;           ///< 0 without tessellation
-    int max_tessellation_level = 0;       ///< 0 without tessellation
-    float max_anisotropy = 1;             ///< 1 without the extension
-    int timer_query_bits = 0;             ///< 0: no timer queries; see also `Quirks::timer_queries_lie`
-    bool debug = false;                   ///< labels, groups, messages (GL_KHR_debug)
+    int max_patch_vertices = 0;      ///< 0 without tessellation
+    int max_tessellation_level = 0;  ///< 0 without tessellation
+    float max_anisotropy = 1;        ///< 1 without the extension
+    int timer_query_bits = 0;        ///< 0: no timer queries; see also `Quirks::timer_queries_lie`
+    bool debug = false;              ///< labels, groups, messages (GL_KHR_debug)
     bool buffer_storage = false;
     bool clip_control = false;
     bool copy_image = false;

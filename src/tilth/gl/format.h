@@ -29,13 +29,13 @@ enum class Format {
 
 /// How a format is stored and how its texels look in client memory (the transfer format).
 struct FormatInfo {
-    unsigned internal = 0;     ///< GL internal format, e.g. GL_R16
-    unsigned layout = 0;       ///< GL transfer format, e.g. GL_RED
-    unsigned type = 0;         ///< GL transfer type, e.g. GL_UNSIGNED_SHORT
+    unsigned internal = 0;  ///< GL internal format, e.g. GL_R16
+    unsigned layout = 0;    ///< GL transfer format, e.g. GL_RED
+    unsigned type = 0;      ///< GL transfer type, e.g. GL_UNSIGNED_SHORT
     int components = 0;
-    int transfer_bytes = 0;    ///< of one texel in client memory
-    int stored_bytes = 0;      ///< of one texel in GL, as far as GL says
-    bool filterable = false;   ///< linear filtering is allowed
+    int transfer_bytes = 0;   ///< of one texel in client memory
+    int stored_bytes = 0;     ///< of one texel in GL, as far as GL says
+    bool filterable = false;  ///< linear filtering is allowed
     bool depth = false;
     const char* name = "";
 };

@@ -25,12 +25,24 @@ void Handle::reset() {
     if (id_ == 0) return;
     const Api& api = gl();
     switch (kind_) {
-        case ObjectKind::Texture: api.DeleteTextures(1, &id_); break;
-        case ObjectKind::Buffer: api.DeleteBuffers(1, &id_); break;
-        case ObjectKind::VertexArray: api.DeleteVertexArrays(1, &id_); break;
-        case ObjectKind::Framebuffer: api.DeleteFramebuffers(1, &id_); break;
-        case ObjectKind::Program: api.DeleteProgram(id_); break;
-        case ObjectKind::Query: api.DeleteQueries(1, &id_); break;
+        case ObjectKind::Texture:
+            api.DeleteTextures(1, &id_);
+            break;
+        case ObjectKind::Buffer:
+            api.DeleteBuffers(1, &id_);
+            break;
+        case ObjectKind::VertexArray:
+            api.DeleteVertexArrays(1, &id_);
+            break;
+        case ObjectKind::Framebuffer:
+            api.DeleteFramebuffers(1, &id_);
+            break;
+        case ObjectKind::Program:
+            api.DeleteProgram(id_);
+            break;
+        case ObjectKind::Query:
+            api.DeleteQueries(1, &id_);
+            break;
     }
     device_->remove_live(kind_, id_);
     id_ = 0;
@@ -65,20 +77,28 @@ void set_pack(const Api& gl) {
 
 GLint gl_wrap(Wrap wrap) {
     switch (wrap) {
-        case Wrap::ClampToEdge: return GL_CLAMP_TO_EDGE;
-        case Wrap::Repeat: return GL_REPEAT;
-        case Wrap::MirroredRepeat: return GL_MIRRORED_REPEAT;
+        case Wrap::ClampToEdge:
+            return GL_CLAMP_TO_EDGE;
+        case Wrap::Repeat:
+            return GL_REPEAT;
+        case Wrap::MirroredRepeat:
+            return GL_MIRRORED_REPEAT;
     }
     return GL_CLAMP_TO_EDGE;
 }
 
 GLint gl_min_filter(Filter filter) {
     switch (filter) {
-        case Filter::Nearest: return GL_NEAREST;
-        case Filter::Linear: return GL_LINEAR;
-        case Filter::NearestMipNearest: return GL_NEAREST_MIPMAP_NEAREST;
-        case Filter::LinearMipNearest: return GL_LINEAR_MIPMAP_NEAREST;
-        case Filter::Trilinear: return GL_LINEAR_MIPMAP_LINEAR;
+        case Filter::Nearest:
+            return GL_NEAREST;
+        case Filter::Linear:
+            return GL_LINEAR;
+        case Filter::NearestMipNearest:
+            return GL_NEAREST_MIPMAP_NEAREST;
+        case Filter::LinearMipNearest:
+            return GL_LINEAR_MIPMAP_NEAREST;
+        case Filter::Trilinear:
+            return GL_LINEAR_MIPMAP_LINEAR;
     }
     return GL_NEAREST;
 }
@@ -87,34 +107,50 @@ bool is_nearest(Filter filter) { return filter == Filter::Nearest || filter == F
 
 GLenum gl_usage(BufferUsage usage) {
     switch (usage) {
-        case BufferUsage::Static: return GL_STATIC_DRAW;
-        case BufferUsage::Dynamic: return GL_DYNAMIC_DRAW;
-        case BufferUsage::Stream: return GL_STREAM_DRAW;
-        case BufferUsage::ReadBack: return GL_STREAM_READ;
+        case BufferUsage::Static:
+            return GL_STATIC_DRAW;
+        case BufferUsage::Dynamic:
+            return GL_DYNAMIC_DRAW;
+        case BufferUsage::Stream:
+            return GL_STREAM_DRAW;
+        case BufferUsage::ReadBack:
+            return GL_STREAM_READ;
     }
     return GL_STATIC_DRAW;
 }
 
 GLenum gl_target(BufferTarget target) {
     switch (target) {
-        case BufferTarget::Vertex: return GL_ARRAY_BUFFER;
-        case BufferTarget::Uniform: return GL_UNIFORM_BUFFER;
-        case BufferTarget::PixelUnpack: return GL_PIXEL_UNPACK_BUFFER;
-        case BufferTarget::PixelPack: return GL_PIXEL_PACK_BUFFER;
+        case BufferTarget::Vertex:
+            return GL_ARRAY_BUFFER;
+        case BufferTarget::Uniform:
+            return GL_UNIFORM_BUFFER;
+        case BufferTarget::PixelUnpack:
+            return GL_PIXEL_UNPACK_BUFFER;
+        case BufferTarget::PixelPack:
+            return GL_PIXEL_PACK_BUFFER;
     }
     return GL_ARRAY_BUFFER;
 }
 
 GLenum gl_type(AttributeType type) {
     switch (type) {
-        case AttributeType::Float: return GL_FLOAT;
-        case AttributeType::HalfFloat: return GL_HALF_FLOAT;
-        case AttributeType::Int: return GL_INT;
-        case AttributeType::UInt: return GL_UNSIGNED_INT;
-        case AttributeType::Short: return GL_SHORT;
-        case AttributeType::UShort: return GL_UNSIGNED_SHORT;
-        case AttributeType::Byte: return GL_BYTE;
-        case AttributeType::UByte: return GL_UNSIGNED_BYTE;
+        case AttributeType::Float:
+            return GL_FLOAT;
+        case AttributeType::HalfFloat:
+            return GL_HALF_FLOAT;
+        case AttributeType::Int:
+            return GL_INT;
+        case AttributeType::UInt:
+            return GL_UNSIGNED_INT;
+        case AttributeType::Short:
+            return GL_SHORT;
+        case AttributeType::UShort:
+            return GL_UNSIGNED_SHORT;
+        case AttributeType::Byte:
+            return GL_BYTE;
+        case AttributeType::UByte:
+            return GL_UNSIGNED_BYTE;
     }
     return GL_FLOAT;
 }
@@ -146,7 +182,8 @@ Result<void> check_spec(const Capabilities& caps, std::string_view label, const 
 
 Result<Texture2D> Texture2D::create(Device& device, std::string_view label, const TextureSpec& wanted) {
     TextureSpec spec = wanted;
-    const int most_levels = static_cast<int>(std::bit_width(static_cast<unsigned>(std::max({spec.width, spec.height, 1}))));
+    const int most_levels =
+        static_cast<int>(std::bit_width(static_cast<unsigned>(std::max({spec.width, spec.height, 1}))));
     if (Result<void> valid = check_spec(device.capabilities(), label, spec, most_levels); !valid) return valid.error();
     if (spec.levels == 0) spec.levels = most_levels;
 
@@ -326,8 +363,8 @@ Result<TextureBuffer> TextureBuffer::create(Device& device, std::string_view lab
     const FormatInfo& info = info_of(format);
     const auto most = static_cast<std::size_t>(device.capabilities().max_buffer_texels);
     if (texels > most)
-        return Error{ErrorCode::InvalidArgument, text("buffer texture \"", label, "\": has ", texels,
-                                                      " texels, this driver allows ", most)};
+        return Error{ErrorCode::InvalidArgument,
+                     text("buffer texture \"", label, "\": has ", texels, " texels, this driver allows ", most)};
     Result<Buffer> buffer =
         Buffer::create(device, label, texels * static_cast<std::size_t>(info.stored_bytes), usage, initial);
     if (!buffer) return buffer.error();
@@ -435,7 +472,8 @@ void Framebuffer::attach(std::span<const Texture2D* const> colours, int level, c
     }
     const std::uint64_t depth_serial = depth != nullptr ? depth->serial() : 0;
     if (depth_serial != depth_attached_) {
-        gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth != nullptr ? depth->id() : 0, 0);
+        gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth != nullptr ? depth->id() : 0,
+                                0);
         depth_attached_ = depth_serial;
     }
     level_ = level;
@@ -459,11 +497,20 @@ Result<void> Framebuffer::check() const {
     if (status == GL_FRAMEBUFFER_COMPLETE) return {};
     const char* reason = "status unknown";
     switch (status) {
-        case GL_FRAMEBUFFER_UNDEFINED: reason = "undefined"; break;
-        case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT: reason = "an attachment cannot be drawn to"; break;
-        case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT: reason = "it has no attachment"; break;
-        case GL_FRAMEBUFFER_UNSUPPORTED: reason = "this combination of formats is not supported"; break;
-        default: break;
+        case GL_FRAMEBUFFER_UNDEFINED:
+            reason = "undefined";
+            break;
+        case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT:
+            reason = "an attachment cannot be drawn to";
+            break;
+        case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT:
+            reason = "it has no attachment";
+            break;
+        case GL_FRAMEBUFFER_UNSUPPORTED:
+            reason = "this combination of formats is not supported";
+            break;
+        default:
+            break;
     }
     return Error{ErrorCode::Unsupported, text("framebuffer ", id(), " with ", colours_, " colour attachments on ",
                                               handle_.device().capabilities().renderer, ": ", reason)};
@@ -497,7 +544,8 @@ void Program::adopt(unsigned id) {
     device.add_live(ObjectKind::Program, id, 0, recipe_.label);
     handle_ = detail::Handle(device, ObjectKind::Program, id);
     ++generation_;
-    for (std::size_t i = 0; i < names_.size(); ++i) locations_[i] = device.gl().GetUniformLocation(id, names_[i].c_str());
+    for (std::size_t i = 0; i < names_.size(); ++i)
+        locations_[i] = device.gl().GetUniformLocation(id, names_[i].c_str());
     for (const auto& [name, unit] : std::exchange(samplers_, {})) sampler(name, unit);
     for (const auto& [name, binding] : std::exchange(blocks_, {})) uniform_block(name, binding);
 }
@@ -558,16 +606,24 @@ void Program::set_mat4(Uniform u, const float* column_major) const {
 Result<Query> Query::create(Device& device, std::string_view label, QueryKind kind) {
     const Capabilities& caps = device.capabilities();
     if (kind == QueryKind::VertexInvocations && !caps.pipeline_statistics)
-        return Error{ErrorCode::Unsupported, text("query \"", label, "\": ", caps.renderer,
-                                                  " has no GL_ARB_pipeline_statistics_query")};
+        return Error{ErrorCode::Unsupported,
+                     text("query \"", label, "\": ", caps.renderer, " has no GL_ARB_pipeline_statistics_query")};
     if (kind == QueryKind::TimeElapsed && caps.timer_query_bits == 0)
         return Error{ErrorCode::Unsupported, text("query \"", label, "\": ", caps.renderer, " has no timer queries")};
     Query query;
     switch (kind) {
-        case QueryKind::TimeElapsed: query.target_ = GL_TIME_ELAPSED; break;
-        case QueryKind::SamplesPassed: query.target_ = GL_SAMPLES_PASSED; break;
-        case QueryKind::PrimitivesGenerated: query.target_ = GL_PRIMITIVES_GENERATED; break;
-        case QueryKind::VertexInvocations: query.target_ = GL_VERTEX_SHADER_INVOCATIONS_ARB; break;
+        case QueryKind::TimeElapsed:
+            query.target_ = GL_TIME_ELAPSED;
+            break;
+        case QueryKind::SamplesPassed:
+            query.target_ = GL_SAMPLES_PASSED;
+            break;
+        case QueryKind::PrimitivesGenerated:
+            query.target_ = GL_PRIMITIVES_GENERATED;
+            break;
+        case QueryKind::VertexInvocations:
+            query.target_ = GL_VERTEX_SHADER_INVOCATIONS_ARB;
+            break;
     }
     GLuint id = 0;
     device.gl().GenQueries(1, &id);

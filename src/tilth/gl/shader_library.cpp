@@ -38,9 +38,8 @@ Result<void> compile(const Api& gl, GLuint shader, const std::string& label, con
     GLint compiled = GL_FALSE;
     gl.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (compiled == GL_TRUE) return {};
-    return Error{ErrorCode::ShaderCompile,
-                 text("program \"", label, "\": ", source.files.front(), " does not compile:\n",
-                      map_log(shader_log(gl, shader), source.files))};
+    return Error{ErrorCode::ShaderCompile, text("program \"", label, "\": ", source.files.front(),
+                                                " does not compile:\n", map_log(shader_log(gl, shader), source.files))};
 }
 
 }  // namespace
@@ -51,13 +50,13 @@ Result<unsigned> ShaderLibrary::link(const ProgramRecipe& recipe) {
     const Api& gl = device_.gl();
     const bool tessellated = !recipe.tess_evaluation.empty();
     if (tessellated && !device_.capabilities().tessellation)
-        return Error{ErrorCode::Unsupported, text("program \"", recipe.label, "\" needs hardware tessellation (GL 4.0), ",
-                                                  device_.capabilities().renderer, " has none")};
-    const std::array<Stage, 5> stages{Stage{GL_VERTEX_SHADER, recipe.vertex},
-                                      Stage{GL_TESS_CONTROL_SHADER, recipe.tess_control},
-                                      Stage{GL_TESS_EVALUATION_SHADER, recipe.tess_evaluation},
-                                      Stage{GL_GEOMETRY_SHADER, recipe.geometry},
-                                      Stage{GL_FRAGMENT_SHADER, recipe.fragment}};
+        return Error{ErrorCode::Unsupported,
+                     text("program \"", recipe.label, "\" needs hardware tessellation (GL 4.0), ",
+                          device_.capabilities().renderer, " has none")};
+    const std::array<Stage, 5> stages{
+        Stage{GL_VERTEX_SHADER, recipe.vertex}, Stage{GL_TESS_CONTROL_SHADER, recipe.tess_control},
+        Stage{GL_TESS_EVALUATION_SHADER, recipe.tess_evaluation}, Stage{GL_GEOMETRY_SHADER, recipe.geometry},
+        Stage{GL_FRAGMENT_SHADER, recipe.fragment}};
     const ReadSource read = [this](std::string_view path) { return source_.read(path); };
     const GLuint program = gl.CreateProgram();
     Result<void> outcome;
@@ -81,8 +80,9 @@ Result<unsigned> ShaderLibrary::link(const ProgramRecipe& recipe) {
         GLint linked = GL_FALSE;
         gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
         if (linked != GL_TRUE)
-            outcome = Error{ErrorCode::ShaderCompile, text("program \"", recipe.label, "\" (", recipe.vertex, ", ",
-                                                           recipe.fragment, ") does not link:\n", program_log(gl, program))};
+            outcome =
+                Error{ErrorCode::ShaderCompile, text("program \"", recipe.label, "\" (", recipe.vertex, ", ",
+                                                     recipe.fragment, ") does not link:\n", program_log(gl, program))};
     }
     if (!outcome) {
         gl.DeleteProgram(program);

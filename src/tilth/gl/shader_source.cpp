@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -87,9 +88,7 @@ public:
     ResolvedSource result;
 
 private:
-    void line_directive(int line, std::size_t index) {
-        result.text += text("#line ", line, " ", index, "\n");
-    }
+    void line_directive(int line, std::size_t index) { result.text += text("#line ", line, " ", index, "\n"); }
 
     Result<void> include(const std::string& from, int line, std::string_view target) {
         if (target.size() < 3 || target.front() != '"' || target.find('"', 1) == std::string_view::npos)
@@ -136,7 +135,8 @@ std::optional<std::string> mapped_line(std::string_view line, const std::vector<
         rest.remove_prefix(word.size());
     }
     const auto file = take_number(rest);
-    if (!file || *file >= files.size() || rest.empty() || (rest.front() != ':' && rest.front() != '(')) return std::nullopt;
+    if (!file || *file >= files.size() || rest.empty() || (rest.front() != ':' && rest.front() != '('))
+        return std::nullopt;
     const bool in_brackets = rest.front() == '(';
     rest.remove_prefix(1);
     const auto number = take_number(rest);
@@ -168,15 +168,18 @@ Result<std::string> ShaderSource::read(std::string_view path) const {
     if (!is_folder()) {
         for (const EmbeddedShader& shader : embedded_shaders())
             if (shader.path == path) return std::string(shader.text);
-        return Error{ErrorCode::NotFound, text(path, ": no such shader in this library; it was built from shaders/ "
-                                                     "without it")};
+        return Error{ErrorCode::NotFound, text(path,
+                                               ": no such shader in this library; it was built from shaders/ "
+                                               "without it")};
     }
     const std::string full = text(folder_, "/", path);
+    std::error_code ignored;
     std::ifstream file(full, std::ios::binary);
+    if (!std::filesystem::is_regular_file(full, ignored) || !file)
+        return Error{ErrorCode::NotFound, text(full, ": cannot be read; is this the shaders folder?")};
     std::ostringstream content;
-    if (file) content << file.rdbuf();
-    if (!file) return Error{ErrorCode::NotFound, text(full, ": cannot be read; is this the shaders folder?")};
-    return content.str();
+    content << file.rdbuf();
+    return std::move(content).str();
 }
 
 Result<ResolvedSource> resolve_includes(std::string_view path, const ReadSource& read, const Features& features,

@@ -26,8 +26,7 @@ void set_enabled(const Device& device, GLenum capability, bool on) {
 
 template <GLenum kCapability>
 constexpr TouchedState switch_entry(std::string_view name) {
-    return {name, 1,
-            [](const Device& d, StateSlot* s) { s[0].integer = d.gl().IsEnabled(kCapability) != 0; },
+    return {name, 1, [](const Device& d, StateSlot* s) { s[0].integer = d.gl().IsEnabled(kCapability) != 0; },
             [](const Device& d, const StateSlot* s) { set_enabled(d, kCapability, s[0].integer != 0); }};
 }
 
@@ -84,7 +83,11 @@ constexpr TouchedState kTouchedState[] = {
      }},
 
     {"program", 1, [](const Device& d, StateSlot* s) { s[0].integer = integer_of(d, GL_CURRENT_PROGRAM); },
-     [](const Device& d, const StateSlot* s) { d.gl().UseProgram(name_in(s[0])); }},
+     [](const Device& d, const StateSlot* s) {
+         // A program that the host deleted while it was in use went when ours took its place.
+         const bool exists = s[0].integer == 0 || d.gl().IsProgram(name_in(s[0])) == GL_TRUE;
+         d.gl().UseProgram(exists ? name_in(s[0]) : 0);
+     }},
     {"vertex array", 1, [](const Device& d, StateSlot* s) { s[0].integer = integer_of(d, GL_VERTEX_ARRAY_BINDING); },
      [](const Device& d, const StateSlot* s) { d.gl().BindVertexArray(name_in(s[0])); }},
     {"draw framebuffer", 1,

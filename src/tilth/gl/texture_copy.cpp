@@ -14,8 +14,8 @@ void TextureCopy::run(const Texture2D& source, const Texture2D& target, std::spa
     const Api& gl = device_->gl();
     if (device_->capabilities().copy_image) {
         for (const CopyRect& r : rects)
-            gl.CopyImageSubData(source.id(), GL_TEXTURE_2D, 0, r.from.min_x, r.from.min_y, 0, target.id(), GL_TEXTURE_2D, 0,
-                                r.to_x, r.to_y, 0, r.from.width(), r.from.height(), 1);
+            gl.CopyImageSubData(source.id(), GL_TEXTURE_2D, 0, r.from.min_x, r.from.min_y, 0, target.id(),
+                                GL_TEXTURE_2D, 0, r.to_x, r.to_y, 0, r.from.width(), r.from.height(), 1);
         return;
     }
     const Texture2D* const attachments[] = {&source};
@@ -23,7 +23,8 @@ void TextureCopy::run(const Texture2D& source, const Texture2D& target, std::spa
     framebuffer_.bind_read();
     target.bind(0);
     for (const CopyRect& r : rects)
-        gl.CopyTexSubImage2D(GL_TEXTURE_2D, 0, r.to_x, r.to_y, r.from.min_x, r.from.min_y, r.from.width(), r.from.height());
+        gl.CopyTexSubImage2D(GL_TEXTURE_2D, 0, r.to_x, r.to_y, r.from.min_x, r.from.min_y, r.from.width(),
+                             r.from.height());
 }
 
 }  // namespace tilth::gl

@@ -14,9 +14,9 @@ struct CopyRect {
     std::int32_t to_x = 0, to_y = 0;
 };
 
-/// Copies level 0 of one texture into another of the same format. Uses glCopyImageSubData where the context has it, else
-/// glCopyTexSubImage2D through a read framebuffer. Cost: one call a rectangle; on llvmpipe under a microsecond to 64 x 64.
-/// GL state: may touch the read framebuffer and texture unit 0.
+/// Copies level 0 of one texture into another of the same format. Uses glCopyImageSubData where the context has it,
+/// else glCopyTexSubImage2D through a read framebuffer. Cost: one call a rectangle; on llvmpipe under a microsecond to
+/// 64 x 64. GL state: may touch the read framebuffer and texture unit 0.
 class TextureCopy {
 public:
     static Result<TextureCopy> create(Device& device);

@@ -67,7 +67,7 @@ void set_image_matrix(StampParams& s, const StampRecord& record, const Shape& sh
 // The texels whose centre lies less than `reach` sub-texels from the stamp's centre on either axis.
 TexelRect unclipped_rect(const StampParams& s, std::int64_t reach_x, std::int64_t reach_z) {
     const auto first = [](int centre, int offset, std::int64_t reach) {
-        return static_cast<std::int32_t>(centre + floor_div(offset - reach, kSub));
+        return static_cast<std::int32_t>(centre - floor_div(reach - offset, kSub));
     };
     const auto end = [](int centre, int offset, std::int64_t reach) {
         return static_cast<std::int32_t>(centre + floor_div(offset + reach, kSub) + 1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <optional>
 #include <span>
@@ -65,7 +66,7 @@ public:
 private:
     Result<ShapeId> add(Shape shape);
     ShapeId keep(Shape shape);
-    std::vector<Shape> shapes_;
+    std::deque<Shape> shapes_;  // a reference to a shape stays good when others are added
 };
 
 }  // namespace tilth

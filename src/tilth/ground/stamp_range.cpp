@@ -22,9 +22,9 @@ StampRange range_after(const PreparedStamp& stamp, std::uint32_t min, std::uint3
             const auto reach = [&](std::int32_t weight) {
                 return (amplitude * (negative ? -std::int64_t{weight} : std::int64_t{weight})) / kWeightOne;
             };
-            const auto [a, b] = std::minmax(reach(stamp.shape->lowest_weight), reach(stamp.shape->highest_weight));
-            wanted_low = low + std::min<std::int64_t>(0, a - 1) - rounding - s.residue;
-            wanted_high = high + std::max<std::int64_t>(0, b + 1) + rounding + s.residue;
+            const std::int64_t a = reach(stamp.shape->lowest_weight), b = reach(stamp.shape->highest_weight);
+            wanted_low = low + std::min<std::int64_t>({0, a - 1, b - 1}) - rounding - s.residue;
+            wanted_high = high + std::max<std::int64_t>({0, a + 1, b + 1}) + rounding + s.residue;
             break;
         }
         case StampRule::Min:

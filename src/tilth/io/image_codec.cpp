@@ -11,6 +11,7 @@
 #include <limits>
 #include <new>
 
+#include "tilth/io/container_check.h"
 #include "tilth/io/file_bytes.h"
 
 #ifndef __cpp_exceptions
@@ -169,6 +170,8 @@ Result<Image> decode(std::span<const std::byte> file, const std::string& name, c
         return Error{ErrorCode::FileFormat,
                      text(name, ": ", file.empty() ? "is empty" : "is not a PNG, TIFF or OpenEXR image",
                           "; these three are read (and .r16, .r32f by their names)")};
+    if (const auto wrong = wrong_length(file, kMaxImageSide))
+        return Error{ErrorCode::FileFormat, text(name, ": ", *wrong)};
     const auto input = OIIO::ImageInput::create(plugin);
     if (!input)
         return Error{ErrorCode::Unsupported, text(name, ": this OpenImageIO was built without ", plugin, ": ",

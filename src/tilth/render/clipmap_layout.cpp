@@ -67,6 +67,9 @@ Result<void> check_clipmap(const ClipmapSettings& settings) {
         return Error{ErrorCode::InvalidArgument, text("clipmap.levels is ", settings.levels, "; allowed are 1 to 16")};
     if (!(settings.blend >= 0.02 && settings.blend <= 0.25))
         return Error{ErrorCode::InvalidArgument, text("clipmap.blend is ", settings.blend, "; allowed are 0.02 to 0.25")};
+    if (!(settings.refine_above_px >= 0 && settings.refine_above_px <= 1e6))
+        return Error{ErrorCode::InvalidArgument,
+                     text("clipmap.refine_above_px is ", settings.refine_above_px, "; allowed are 0 to 1e6 pixels")};
     return {};
 }
 

@@ -25,6 +25,12 @@ HeightBounds::HeightBounds(const HeightField& field) : width_(field.width()), de
         if (width == 1 && depth == 1) break;
         width = (width + 1) / 2, depth = (depth + 1) / 2;
     }
+    for (std::int32_t level = 1; level <= kErrorLevels; ++level) {
+        const std::int32_t posts = kErrorCellUnits << level;
+        ErrorLevel made{(width_ + posts - 1) / posts, (depth_ + posts - 1) / posts, {}};
+        made.errors.resize(static_cast<std::size_t>(made.width) * static_cast<std::size_t>(made.depth));
+        errors_.push_back(std::move(made));
+    }
     widen(field.rect(), field);
 }
 
@@ -49,6 +55,7 @@ void HeightBounds::widen(const TexelRect& changed, const HeightField& field) {
         }
     }
     refresh_pyramid(min, max);
+    refresh_errors(inside, field);
 }
 
 void HeightBounds::widen_by(const TexelRect& changed, std::uint32_t min_code, std::uint32_t max_code) {
@@ -56,6 +63,18 @@ void HeightBounds::widen_by(const TexelRect& changed, std::uint32_t min_code, st
     if (inside.empty()) return;
     const Texel min{inside.min.x / kBlockPosts, inside.min.z / kBlockPosts};
     const Texel max{(inside.max.x - 1) / kBlockPosts, (inside.max.z - 1) / kBlockPosts};
+    const CodeRange old = query(inside);
+    const std::uint32_t growth =
+        std::max(old.min > min_code ? old.min - min_code : 0, max_code > old.max ? max_code - old.max : 0);
+    for (std::int32_t level = 1; growth > 0 && level <= kErrorLevels; ++level) {
+        ErrorLevel& stored = errors_[static_cast<std::size_t>(level - 1)];
+        const TexelRect cells = error_cells(level, inside);
+        for (std::int32_t z = cells.min.z; z < cells.max.z; ++z)
+            for (std::int32_t x = cells.min.x; x < cells.max.x; ++x) {
+                std::uint32_t& error = stored.errors[static_cast<std::size_t>(z * stored.width + x)];
+                error += std::min(growth, 0xffff'ffffu - error);
+            }
+    }
     for (std::int32_t bz = min.z; bz <= max.z; ++bz)
         for (std::int32_t bx = min.x; bx <= max.x; ++bx)
             levels_[0].at(bx, bz) = joined(levels_[0].at(bx, bz), {min_code, max_code});
@@ -91,6 +110,51 @@ CodeRange HeightBounds::query(const TexelRect& asked) const {
         for (std::int32_t x = inside.min.x / posts; x <= (inside.max.x - 1) / posts; ++x)
             range = joined(range, levels_[level].at(x, z));
     return range;
+}
+
+TexelRect HeightBounds::error_cells(std::int32_t level, const TexelRect& rect) const {
+    const std::int32_t posts = kErrorCellUnits << level;
+    return {{rect.min.x / posts, rect.min.z / posts}, {(rect.max.x - 1) / posts + 1, (rect.max.z - 1) / posts + 1}};
+}
+
+std::uint32_t HeightBounds::level_error(std::int32_t level, const TexelRect& asked) const {
+    const std::int32_t stored_level = std::min(level, kErrorLevels);
+    const ErrorLevel& stored = errors_[static_cast<std::size_t>(stored_level - 1)];
+    const TexelRect inside = intersection(asked, rect());
+    if (inside.empty()) return 0;
+    const TexelRect cells = error_cells(stored_level, inside);
+    std::uint32_t error = 0;
+    for (std::int32_t z = cells.min.z; z < cells.max.z; ++z)
+        for (std::int32_t x = cells.min.x; x < cells.max.x; ++x)
+            error = std::max(error, stored.errors[static_cast<std::size_t>(z * stored.width + x)]);
+    return error;
+}
+
+void HeightBounds::refresh_errors(const TexelRect& changed, const HeightField& field) {
+    const std::int32_t last_x = width_ - 1, last_z = depth_ - 1;
+    for (std::int32_t level = 1; level <= kErrorLevels; ++level) {
+        ErrorLevel& stored = errors_[static_cast<std::size_t>(level - 1)];
+        // A changed post moves the surface of a level within one unit about it.
+        const TexelRect cells = error_cells(level, intersection(expanded(changed, 1 << level), rect()));
+        const std::int32_t posts = kErrorCellUnits << level, step = 1 << (level - 1);
+        for (std::int32_t cz = cells.min.z; cz < cells.max.z; ++cz) {
+            for (std::int32_t cx = cells.min.x; cx < cells.max.x; ++cx) {
+                std::int64_t error = 0;
+                const auto height = [&](std::int32_t x, std::int32_t z) { return std::int64_t{field.row(z)[x]}; };
+                for (std::int32_t z = cz * posts; z < std::min((cz + 1) * posts, depth_); z += step) {
+                    const std::int32_t z0 = shared::coarse_low(z, level - 1, last_z), z1 = shared::coarse_high(z, level - 1, last_z);
+                    for (std::int32_t x = cx * posts; x < std::min((cx + 1) * posts, width_); x += step) {
+                        const std::int32_t x0 = shared::coarse_low(x, level - 1, last_x);
+                        const std::int32_t x1 = shared::coarse_high(x, level - 1, last_x);
+                        // Halfway on an edge or on the diagonal: the mean of its ends (nearly so in a last, narrow cell).
+                        const std::int64_t base = (height(x0, z0) + height(x1, z1)) / 2;
+                        error = std::max(error, std::abs(height(x, z) - base));
+                    }
+                }
+                stored.errors[static_cast<std::size_t>(cz * stored.width + cx)] = static_cast<std::uint32_t>(error);
+            }
+        }
+    }
 }
 
 PostRange folded_range(std::int32_t min, std::int32_t max, std::int32_t n) {

@@ -21,9 +21,9 @@ namespace {
 constexpr std::int32_t kMeshVertices = kBlockQuads + 1;  // a side; terrain.vert holds the same number
 constexpr int kBlockIndices = kBlockQuads * kBlockQuads * 6;
 constexpr int kStitchIndices = kBlockQuads * 3;  // kBlockQuads / 2 triangles on row 0 and as many on column 0
-constexpr int kHighUnit = 0, kLowUnit = 1, kSlopeUnit = 2;
+constexpr int kHighUnit = 0, kLowUnit = 1, kSlopeUnit = 2, kNodeUnit = 3;
 
-static_assert(sizeof(ClipmapBlock) == 5 * sizeof(std::int32_t), "streamed as it is: two ivec2 and an int");
+static_assert(sizeof(DrawnBlock) == 6 * sizeof(std::int32_t), "streamed as it is: three ivec2");
 
 /// The mesh, row by row, each quad split along the diagonal from (i, j) to (i + 1, j + 1), counter-clockwise seen from
 /// above; then the triangles (2i, 2i+1, 2i+2) of row 0 and of column 0. A stitch has no depth or no width, so that one
@@ -46,10 +46,10 @@ std::vector<std::uint16_t> mesh_indices() {
 }
 
 void describe_instances(gl::VertexArray& array, const gl::Buffer& instances, const gl::Buffer& indices) {
-    constexpr int stride = sizeof(ClipmapBlock);
+    constexpr int stride = sizeof(DrawnBlock);
     array.int_attribute(0, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, x), 1);
     array.int_attribute(1, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, width), 1);
-    array.int_attribute(2, instances, 1, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, level), 1);
+    array.int_attribute(2, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, level), 1);
     array.index_buffer(indices);
 }
 
@@ -94,17 +94,21 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
     auto indices = gl::Buffer::create(device, "clipmap mesh", mesh.size() * sizeof(mesh[0]), gl::BufferUsage::Static,
                                       mesh.data());
     if (!indices) return indices.error();
-    auto blocks = gl::Buffer::create(device, "clipmap blocks", 256 * sizeof(ClipmapBlock), gl::BufferUsage::Stream);
+    auto blocks = gl::Buffer::create(device, "clipmap blocks", 256 * sizeof(DrawnBlock), gl::BufferUsage::Stream);
     if (!blocks) return blocks.error();
-    auto stitches = gl::Buffer::create(device, "clipmap stitches", 256 * sizeof(ClipmapBlock), gl::BufferUsage::Stream);
+    auto stitches = gl::Buffer::create(device, "clipmap stitches", 256 * sizeof(DrawnBlock), gl::BufferUsage::Stream);
     if (!stitches) return stitches.error();
+    auto weights = gl::TextureBuffer::create(device, "clipmap refinement", gl::Format::R32F, 1024, gl::BufferUsage::Stream);
+    if (!weights) return weights.error();
     return TerrainRenderer(device, settings, map, std::move(*program), std::move(*block_array),
-                           std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches));
+                           std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches),
+                           std::move(*weights));
 }
 
 TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map,
                                  gl::Program program, gl::VertexArray block_array, gl::VertexArray stitch_array,
-                                 gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches)
+                                 gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches,
+                                 gl::TextureBuffer node_weights)
     : device_(&device),
       settings_(settings),
       map_(map),
@@ -115,12 +119,14 @@ TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& sett
       stitch_array_(std::move(stitch_array)),
       indices_(std::move(indices)),
       block_buffer_(std::move(blocks)),
-      stitch_buffer_(std::move(stitches)) {
+      stitch_buffer_(std::move(stitches)),
+      node_weights_(std::move(node_weights)) {
     describe_instances(block_array_, block_buffer_, indices_);
     describe_instances(stitch_array_, stitch_buffer_, indices_);
     program_.sampler("u_high_plane", kHighUnit);
     program_.sampler("u_low_plane", kLowUnit);
     program_.sampler("u_slopes", kSlopeUnit);
+    program_.sampler("u_node_weights", kNodeUnit);
     const auto find = [this](const char* name) { return program_.uniform(name); };
     u_ = {.last_post = find("u_last_post"),
           .stored_posts = find("u_stored_posts"),
@@ -136,6 +142,7 @@ TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& sett
           .clip_from_relative = find("u_clip_from_relative"),
           .slopes_size_posts = find("u_slopes_size_posts"),
           .slopes_last_level = find("u_slopes_last_level"),
+          .node_grids = find("u_node_grids"),
           .base_stored_post = find("u_base_stored_post"),
           .eye_tint = find("u_eye_tint"),
           .to_light = find("u_to_light"),
@@ -165,7 +172,7 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
     if (!camera) return camera.error();
     if (!camera->draws) return {};
     choose_blocks(*camera, bounds);
-    if (blocks_.empty()) return {};
+    if (drawn_.blocks.empty()) return {};
 
     const gl::DebugGroup group(*device_, "tilth terrain");
     const gl::Api& gl = device_->gl();
@@ -173,60 +180,67 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
     planes.high().bind(kHighUnit);
     planes.low().bind(kLowUnit);
     slopes.texture().bind(kSlopeUnit);
+    if (!refinement_.weights.empty()) node_weights_.replace(std::as_bytes(std::span(refinement_.weights)));
+    node_weights_.bind(kNodeUnit);
     program_.bind();
     set_uniforms(*camera, shading, cursor, slopes);
 
-    block_buffer_.replace(std::as_bytes(std::span(blocks_)));
+    block_buffer_.replace(std::as_bytes(std::span(drawn_.blocks)));
     block_array_.bind();
     gl.DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr,
-                             static_cast<GLsizei>(blocks_.size()));
+                             static_cast<GLsizei>(drawn_.blocks.size()));
     stats.draws += 1;
-    if (!stitches_.empty()) {
+    if (!drawn_.stitches.empty()) {
         gl.Disable(GL_CULL_FACE);  // a triangle without area has no front
-        stitch_buffer_.replace(std::as_bytes(std::span(stitches_)));
+        stitch_buffer_.replace(std::as_bytes(std::span(drawn_.stitches)));
         stitch_array_.bind();
         gl.DrawElementsInstanced(GL_TRIANGLES, kStitchIndices, GL_UNSIGNED_SHORT,
                                  reinterpret_cast<const void*>(kBlockIndices * sizeof(std::uint16_t)),
-                                 static_cast<GLsizei>(stitches_.size()));
+                                 static_cast<GLsizei>(drawn_.stitches.size()));
         stats.draws += 1;
     }
     stats.passes += 1;
-    stats.primitives += blocks_.size() * (kBlockIndices / 3) + stitches_.size() * (kStitchIndices / 3);
-    stats.bytes += (blocks_.size() + stitches_.size()) * sizeof(ClipmapBlock);
+    stats.primitives += drawn_.blocks.size() * (kBlockIndices / 3) + drawn_.stitches.size() * (kStitchIndices / 3);
+    stats.bytes += (drawn_.blocks.size() + drawn_.stitches.size()) * sizeof(DrawnBlock) +
+                   refinement_.weights.size() * sizeof(float);
     stats.cpu_ms += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     return {};
 }
 
 void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bounds) {
-    ClipmapLayout layout = clipmap_layout(settings_, camera.eye_posts, last_post_.x, last_post_.z);
-    blocks_ = std::move(layout.blocks);
-    stitches_ = std::move(layout.stitches);
+    const ClipmapLayout layout = clipmap_layout(settings_, camera.eye_posts, last_post_.x, last_post_.z);
+    refinement_ = clipmap_refinement(settings_, layout, camera, {map_.grid, map_.codec, map_.mirrored, bounds});
+    drawn_ = drawn_blocks(layout, refinement_);
     if (debug_.cull_blocks) {
-        const auto hidden = [&](const ClipmapBlock& block) { return !is_visible(block, camera, bounds); };
-        counts_.culled_blocks = static_cast<std::uint32_t>(std::erase_if(blocks_, hidden));
-        std::erase_if(stitches_, hidden);
+        const auto hidden = [&](const DrawnBlock& drawn) { return !is_visible(drawn, camera, bounds); };
+        counts_.culled_blocks = static_cast<std::uint32_t>(std::erase_if(drawn_.blocks, hidden));
+        std::erase_if(drawn_.stitches, hidden);
     }
-    std::erase_if(stitches_, [&](const ClipmapBlock& s) { return s.level == debug_.omit_stitches_of_level; });
-    // Front to back: levels are already in that order, blocks of one by the distance of their middle.
+    std::erase_if(drawn_.stitches, [&](const DrawnBlock& s) { return s.base_level == debug_.omit_stitches_of_level; });
+    // Front to back: by the level of the surface, then by the distance of a block's middle.
     const auto distance = [&](const ClipmapBlock& b) {
         const double unit = std::ldexp(1.0, b.level);
         return std::max(std::abs((b.x + b.width * 0.5) * unit - camera.eye_posts.x),
                         std::abs((b.z + b.depth * 0.5) * unit - camera.eye_posts.z));
     };
-    std::stable_sort(blocks_.begin(), blocks_.end(), [&](const ClipmapBlock& a, const ClipmapBlock& b) {
-        return a.level != b.level ? a.level < b.level : distance(a) < distance(b);
+    std::stable_sort(drawn_.blocks.begin(), drawn_.blocks.end(), [&](const DrawnBlock& a, const DrawnBlock& b) {
+        return a.base_level != b.base_level ? a.base_level < b.base_level : distance(a.block) < distance(b.block);
     });
-    counts_.blocks = static_cast<std::uint32_t>(blocks_.size());
-    counts_.stitches = static_cast<std::uint32_t>(stitches_.size());
+    counts_.blocks = static_cast<std::uint32_t>(drawn_.blocks.size());
+    counts_.refined_blocks = static_cast<std::uint32_t>(
+        std::count_if(drawn_.blocks.begin(), drawn_.blocks.end(),
+                      [](const DrawnBlock& drawn) { return drawn.base_level != drawn.block.level; }));
+    counts_.stitches = static_cast<std::uint32_t>(drawn_.stitches.size());
 }
 
-bool TerrainRenderer::is_visible(const ClipmapBlock& block, const Camera& camera, const HeightBounds& bounds) const {
+bool TerrainRenderer::is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds) const {
+    const ClipmapBlock& block = drawn.block;
     const std::int32_t x0 = post_of(block.x, block.level, last_post_.x);
     const std::int32_t x1 = post_of(block.x + block.width, block.level, last_post_.x);
     const std::int32_t z0 = post_of(block.z, block.level, last_post_.z);
     const std::int32_t z1 = post_of(block.z + block.depth, block.level, last_post_.z);
-    // Morphing reads posts of the next level, up to 2^(level + 1) outside.
-    const std::int64_t margin = std::int64_t{2} << block.level;
+    // Refinement reads vertices of the surface about it, and morphing those of the next level about them.
+    const std::int64_t margin = std::int64_t{4} << drawn.base_level;
     const auto clamped = [](std::int64_t p, std::int32_t last) {
         return static_cast<std::int32_t>(std::clamp<std::int64_t>(p, 0, last));
     };
@@ -293,6 +307,11 @@ void TerrainRenderer::set_uniforms(const Camera& camera, const Shading& shading,
     program_.set(u_.slopes_last_level, slopes.texture().levels() - 1);
     program_.set(u_.base_stored_post, f(stored_base(camera.base_x, grid.width, map_.mirrored)),
                  f(stored_base(camera.base_z, grid.depth, map_.mirrored)));
+
+    std::vector<std::int32_t> grids;
+    for (const NodeGrid& nodes : refinement_.grids)
+        for (const std::int32_t value : {nodes.min_x, nodes.min_z, nodes.width, nodes.first}) grids.push_back(value);
+    program_.set_ivec4s(u_.node_grids, grids);
 
     const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1e-6);
     program_.set(u_.eye_tint, f(1 / tint_span), f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));

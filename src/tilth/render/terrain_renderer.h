@@ -13,6 +13,7 @@
 #include "tilth/pool/slope_map.h"
 #include "tilth/render/camera.h"
 #include "tilth/render/clipmap_layout.h"
+#include "tilth/render/clipmap_refinement.h"
 #include "tilth/render/height_bounds.h"
 #include "tilth/render/view.h"
 #include "tilth/world/grid.h"
@@ -38,14 +39,16 @@ struct RendererDebug {
 
 /// What the last `draw` drew.
 struct RenderCounts {
-    std::uint32_t blocks = 0, culled_blocks = 0, stitches = 0;
+    std::uint32_t blocks = 0, refined_blocks = 0, culled_blocks = 0, stitches = 0;
 };
 
-/// Draws a map by a geometry clipmap (`clipmap_layout.h`), morphed and without cracks, shaded per fragment.
+/// Draws a map by a geometry clipmap (`clipmap_layout.h`), morphed, refined where the ground is rough
+/// (`clipmap_refinement.h`) and without cracks, shaded per fragment.
 ///
 /// One mesh of 33 x 33 vertices without a vertex buffer serves every block; the vertex shader reads the height planes.
 /// Colours are linear RGB, written as they are; the target is an RGBA8 (or float) framebuffer without sRGB encoding.
-/// Cost: two draws, at most (n / 32)^2 * levels blocks of 2 048 triangles, 20 bytes streamed for each.
+/// Cost: two draws, at most (n / 32)^2 * levels blocks of 2 048 triangles (four times as many where
+/// all ground is rough), 24 bytes streamed for each.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`; draws into the bound draw
 /// framebuffer, viewport (0, 0, width, height), and sets every other state that it depends on. Clears nothing.
 class TerrainRenderer {
@@ -72,13 +75,13 @@ private:
     struct Uniforms {
         gl::Uniform last_post, stored_posts, base_post, fraction_m, spacing_m, eye_code, eye_above_code_m,
             code_quantum_m, n, zone_units, coarsest_level, clip_from_relative, slopes_size_posts, slopes_last_level,
-            base_stored_post, eye_tint, to_light, ambient, diffuse, specular, specular_exponent, fog_colour,
+            node_grids, base_stored_post, eye_tint, to_light, ambient, diffuse, specular, specular_exponent, fog_colour,
             fog_density, low_colour, high_colour, steep_colour, cursor_m, cursor_colour;
     };
     TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map, gl::Program program,
                     gl::VertexArray block_array, gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
-                    gl::Buffer stitches);
-    [[nodiscard]] bool is_visible(const ClipmapBlock& block, const Camera& camera, const HeightBounds& bounds) const;
+                    gl::Buffer stitches, gl::TextureBuffer node_weights);
+    [[nodiscard]] bool is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds) const;
     void choose_blocks(const Camera& camera, const HeightBounds& bounds);
     void set_state(const View& view);
     void set_uniforms(const Camera& camera, const Shading& shading, const BrushCursor* cursor, const SlopeMap& slopes);
@@ -91,7 +94,9 @@ private:
     Uniforms u_;
     gl::VertexArray block_array_, stitch_array_;
     gl::Buffer indices_, block_buffer_, stitch_buffer_;
-    std::vector<ClipmapBlock> blocks_, stitches_;  ///< of the current draw; members to keep their memory
+    gl::TextureBuffer node_weights_;
+    ClipmapRefinement refinement_;  ///< of the current draw
+    DrawnBlocks drawn_;             ///< of the current draw
     RendererDebug debug_;
     RenderCounts counts_;
 };

@@ -51,7 +51,10 @@ struct BrushCursor {
 struct ClipmapSettings {
     std::int32_t n = 255;      ///< vertices a side, 2^k - 1, 15..1023; triangles grow as n^2, screen error falls as n^-1.1..-1.8
     std::int32_t levels = 5;   ///< 1..16; level l has spacing 2^l posts
-    double blend = 0.1;        ///< share of n over which a level morphs into the next coarser, 0.02..0.25
+    double blend = 0.1;        ///< share of n over which a level morphs into the next coarser, 0.02..0.25; see check_clipmap
+    /// Ground whose next finer level would move a vertex by more than this on the screen is drawn one level finer, four
+    /// times the triangles there; 0..1e6 pixels, 0 refines all levels but the finest, 1e6 none. Smooth ground costs nothing.
+    double refine_above_px = 1.5;
 };
 
 }  // namespace tilth

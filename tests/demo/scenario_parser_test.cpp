@@ -1,0 +1,136 @@
+// Scenarios that are wrong are refused with line and key; a scenario that uses every key is read as it stands.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "demo/corpus.h"
+#include "demo/scenario/read_scenario.h"
+#include "demo/stats/run_report.h"
+#include "demo/world/open_world.h"
+
+namespace tilth::demo {
+namespace {
+
+const ScenarioContext kContext{{"gaussian", "cone", "paraboloid", "cosine", "crater", "disc", "boot", "tyre"}, has_stat};
+
+std::optional<Scenario> parsed(const std::string& steps, Problems& problems,
+                               const std::string& terrain = "heights = \"flat:size=65,height=0\"") {
+    return parse_scenario("[terrain]\n" + terrain + "\n" + steps, "made_up.toml", kContext, problems);
+}
+
+TEST(ScenarioCorpus, EveryFileIsRefusedAtItsLineAndKey) {
+    const auto files = test::corpus();
+    ASSERT_GE(files.size(), 20u);
+    for (const test::CorpusFile& file : files) {
+        SCOPED_TRACE(file.path.filename().string());
+        ASSERT_GT(file.line, 0) << "the first line must read '# expect: LINE KEY'";
+        Problems problems;
+        const auto scenario = read_scenario(file.path, kContext, problems);
+        if (scenario) EXPECT_EQ(load_heights(scenario->terrain, problems), nullptr);
+        bool found = false;
+        for (const Problem& p : problems.list()) found |= p.line == file.line && p.key == file.key && !p.text.empty();
+        EXPECT_TRUE(found) << problems.report("FILE");
+        EXPECT_EQ(problems.report("FILE").find_first_of(std::string("\0\x1b\x7f", 3)), std::string::npos) << "control characters reach the terminal";
+    }
+}
+
+TEST(ScenarioCorpus, CutAnywhereNeverCrashes) {
+    std::ifstream in(TILTH_SOURCE_DIR "/demo/scenarios/tour.toml");
+    std::ostringstream whole;
+    whole << in.rdbuf();
+    ASSERT_GT(whole.str().size(), 100u);
+    for (std::size_t bytes = 0; bytes < whole.str().size(); bytes += 7) {
+        Problems problems;
+        const bool read = parse_scenario(std::string_view(whole.str()).substr(0, bytes), "cut.toml", kContext, problems).has_value();
+        EXPECT_EQ(read, problems.empty());
+    }
+}
+
+TEST(ScenarioCorpus, EveryByteFlippedIsReadOrRefused) {
+    std::ifstream in(TILTH_SOURCE_DIR "/tests/demo/all_keys.toml");
+    std::ostringstream whole;
+    whole << in.rdbuf();
+    ASSERT_GT(whole.str().size(), 100u);
+    for (std::size_t at = 0; at < whole.str().size(); at += 5) {
+        std::string text = whole.str();
+        text[at] = static_cast<char>(text[at] ^ (1 << (at % 8)));
+        Problems problems;
+        const bool read = parse_scenario(text, "flipped.toml", kContext, problems).has_value();
+        EXPECT_EQ(read, problems.empty());
+    }
+}
+
+TEST(ReadScenario, MissingFileAndEmptyTextAreProblems) {
+    Problems missing, empty;
+    EXPECT_FALSE(read_scenario("no/such/file.toml", kContext, missing));
+    EXPECT_EQ(missing.list().at(0).key, "scenario");
+    EXPECT_FALSE(parse_scenario("", "empty.toml", kContext, empty));
+    EXPECT_EQ(empty.report("empty.toml").substr(0, 22), "empty.toml:1: terrain:");
+}
+
+TEST(ReadScenario, AllProblemsAreReportedInTheFilesOrder) {
+    Problems problems;
+    EXPECT_FALSE(parsed("spacing = 0\ntile_size = 65\n[view]\nfov = 0\n", problems));
+    EXPECT_EQ(problems.list().size(), 3u);
+    const std::string report = problems.report("F");
+    EXPECT_LT(report.find("F:3: spacing: "), report.find("F:4: tile_size: "));
+    EXPECT_LT(report.find("F:4: tile_size: "), report.find("F:6: fov: "));
+    EXPECT_NE(report.find("allowed"), std::string::npos);
+}
+
+TEST(ReadScenario, LaterStepsAreKnownButRefused) {
+    for (const char* step : {"wave = {}", "shock = {}", "save = true", "reopen = true", "crash = true", "undo = 1", "redo = 1"}) {
+        Problems problems;
+        EXPECT_FALSE(parsed("[[step]]\n" + std::string(step), problems));
+        const std::string report = problems.report("F");
+        EXPECT_NE(report.find("F:4: "), std::string::npos) << report;
+        EXPECT_NE(report.find("does not have"), std::string::npos) << report;
+        EXPECT_EQ(report.find("unknown"), std::string::npos) << report;
+    }
+}
+
+TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
+    Problems problems;
+    const auto scenario = read_scenario(TILTH_SOURCE_DIR "/tests/demo/all_keys.toml", kContext, problems);
+    ASSERT_TRUE(scenario) << problems.report("all_keys.toml");
+    const GroundSettings& ground = scenario->terrain.settings.ground;
+    EXPECT_EQ(ground.spacing_m, 2.0);
+    EXPECT_EQ(ground.origin, (WorldPos{1e7, -1e7}));
+    EXPECT_EQ(ground.quantum_m, 0.015625);
+    EXPECT_EQ(ground.texels_per_post, 4);
+    EXPECT_EQ(ground.tile_size, 512);
+    EXPECT_EQ(ground.precision, HeightPrecision::bits16);
+    EXPECT_EQ(scenario->terrain.settings.executor, ExecutorKind::Cpu);
+    EXPECT_EQ(scenario->terrain.settings.slopes, SlopeFormat::rg16f);
+    EXPECT_EQ(scenario->terrain.settings.clipmap.n, 127);
+    EXPECT_EQ(scenario->view.width, 320);
+    EXPECT_EQ(scenario->view.fov_degrees, 45);
+    ASSERT_EQ(scenario->steps.size(), 15u);
+    EXPECT_EQ(std::get<CameraStep>(scenario->steps[1].action).above_ground_m, 2.0);
+    const auto& stamp = std::get<StampStep>(scenario->steps[2].action);
+    EXPECT_EQ(stamp.request.centre, (WorldPos{1e7 + 20, -1e7 + 20}));
+    EXPECT_EQ(stamp.request.rule, StampRule::Set);
+    EXPECT_EQ(stamp.request.map, MapChoice::Coarse);
+    EXPECT_EQ(stamp.request.level_m, 3.0);
+    EXPECT_EQ(stamp.request.key, 4294967295u);
+    EXPECT_EQ(stamp.repeat, 1'000'000);
+    const auto& random = std::get<RandomStep>(scenario->steps[4].action);
+    EXPECT_EQ(random.shapes, (std::vector<std::string>{"gaussian", "boot"})) << "in the library's order, not the file's";
+    EXPECT_EQ(random.rules, (std::vector<StampRule>{StampRule::Add, StampRule::Min}));
+    EXPECT_EQ(std::get<WaitStep>(scenario->steps[7].action).dt_s, (std::vector<double>{0.01, 0.02}));
+    EXPECT_EQ(std::get<DumpStep>(scenario->steps[10].action).what, DumpWhat::Slope);
+    const auto& stat = std::get<ExpectStat>(std::get<ExpectStep>(scenario->steps[14].action).what);
+    EXPECT_EQ(stat.path, "last_frame.deform.passes");
+    EXPECT_EQ(scenario->steps[14].number, 15);
+}
+
+TEST(ReadScenario, AnAutoStampGoesToTheCoarseMapFromEightPostsOn) {
+    Problems below, at;
+    const std::string stamp = "[[step]]\nstamp = { shape = \"disc\", centre = [9, 9], amplitude = 1, rule = \"set\", radius = ";
+    EXPECT_TRUE(parsed("spacing = 2\n" + stamp + "15.999 }", below)) << below.report("F");
+    EXPECT_FALSE(parsed("spacing = 2\n" + stamp + "16 }", at)) << "a coarse set needs a level";
+    EXPECT_EQ(at.list().at(0).key, "level");
+}
+
+}  // namespace
+}  // namespace tilth::demo

@@ -1,0 +1,124 @@
+// Percentiles, the JSON's keys, paths into it, and what `expect` calls met.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "demo/player/expectations.h"
+#include "demo/player/screen.h"
+#include "demo/stats/run_report.h"
+
+namespace tilth::demo {
+namespace {
+
+TEST(Percentile, NearestRank) {
+    std::vector<double> hundred(100);
+    std::iota(hundred.rbegin(), hundred.rend(), 1.0);  // 100, 99, ..., 1
+    EXPECT_EQ(percentile(hundred, 0.50), 50);
+    EXPECT_EQ(percentile(hundred, 0.95), 95);
+    EXPECT_EQ(percentile(hundred, 0.99), 99);
+    EXPECT_EQ(percentile(hundred, 1.00), 100);
+    EXPECT_EQ(percentile({7, 3}, 0.5), 3);
+    EXPECT_EQ(percentile({7}, 0.99), 7);
+    EXPECT_EQ(percentile({}, 0.5), 0);
+}
+
+RunReport some_report() {
+    RunReport report;
+    report.executor = "cpu";
+    report.hash = {0x0123456789abcdef, 0x1};
+    report.frames = {{4, 2, 6}, {5, 3, 7}};
+    report.total.deform.passes = 12;
+    report.last_frame.transfer.bytes_up = 34;
+    report.queries = Json::parse("[[9.5, 9.75], []]");
+    report.failures = {"f.toml:3: step 1: expect"};
+    return report;
+}
+
+TEST(RunReport, HasEveryKeyOfTheForm) {
+    const Json json = to_json(some_report());
+    std::vector<std::string> paths{"tilth", "context.route", "context.renderer", "context.gl", "context.executor",
+                                   "hash.coarse", "hash.detail", "frames.count", "resident.tiles", "resident.gpu_bytes",
+                                   "resident.cpu_bytes", "queries", "failures"};
+    for (const char* times : {"cpu_ms", "wall_ms"})
+        for (const char* share : {"p50", "p95", "p99", "max"}) paths.push_back(std::string("frames.") + times + "." + share);
+    for (const std::string part : {"total.", "last_frame."}) {
+        for (const char* key : {"passes", "draws", "texels", "bytes", "programs", "saturated"}) paths.push_back(part + "deform." + key);
+        for (const char* key : {"derive", "render.primitives", "cache.loads", "cache.evictions", "cache.rescues",
+                                "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes", "effects.wave.texels",
+                                "effects.wave.bytes", "effects.wave.programs"})
+            paths.push_back(part + key);
+    }
+    for (const std::string& path : paths) EXPECT_TRUE(value_at(json, path)) << path;
+    EXPECT_EQ(json["hash"]["coarse"], "0123456789abcdef");
+    EXPECT_EQ(json["hash"]["detail"], "0000000000000001");
+    EXPECT_EQ(json["frames"]["count"], 3);
+    EXPECT_EQ(json["frames"]["cpu_ms"]["p50"], 4);
+    EXPECT_EQ(json["frames"]["wall_ms"]["max"], 7);
+}
+
+TEST(StatPath, LeadsThroughTablesAndLists) {
+    const Json json = to_json(some_report());
+    EXPECT_EQ(*value_at(json, "total.deform.passes"), 12);
+    EXPECT_EQ(*value_at(json, "last_frame.transfer.bytes_up"), 34);
+    EXPECT_EQ(*value_at(json, "queries.0.1"), 9.75);
+    for (const char* wrong : {"", ".", "total.", "total..passes", "total.deform.passes.more", "queries.2", "queries.-1", "queries.0.x", "nothing"})
+        EXPECT_FALSE(value_at(json, wrong)) << wrong;
+}
+
+TEST(StatPath, OnlyPathsToValuesExist) {
+    EXPECT_TRUE(has_stat("last_frame.deform.passes"));
+    EXPECT_TRUE(has_stat("context.executor"));
+    EXPECT_TRUE(has_stat("queries.3.1"));
+    EXPECT_FALSE(has_stat("last_frame.deform"));
+    EXPECT_FALSE(has_stat("last_frame.deform.pases"));
+    EXPECT_FALSE(has_stat(""));
+}
+
+TEST(Expect, TheBorderOfAToleranceIsInsideIt) {
+    const ExpectHeight expected{{1, 2}, 10, 0.5};
+    EXPECT_FALSE(unmet(expected, 10.5));
+    EXPECT_FALSE(unmet(expected, 9.5));
+    EXPECT_TRUE(unmet(expected, 10.500001));
+    EXPECT_NE(unmet(expected, 11)->find("expected 10 within 0.5"), std::string::npos);
+    EXPECT_FALSE(unmet(ExpectHeight{{}, 3, 0}, 3));
+    EXPECT_TRUE(unmet(expected, std::nan("")).has_value()) << "no number is near anything";
+}
+
+TEST(Expect, HashesAreComparedOneByOne) {
+    const StateHash hash{1, 2};
+    EXPECT_FALSE(unmet(ExpectHash{"0000000000000001", {}}, hash));
+    EXPECT_FALSE(unmet(ExpectHash{"0000000000000001", "0000000000000002"}, hash));
+    EXPECT_TRUE(unmet(ExpectHash{"0000000000000001", "0000000000000003"}, hash));
+    EXPECT_TRUE(unmet(ExpectHash{"0000000000000002", {}}, hash));
+}
+
+ExpectStat stat(std::optional<double> equals, std::optional<double> at_most, std::optional<double> at_least) {
+    return {.path = "total.deform.passes", .equals = equals, .at_most = at_most, .at_least = at_least, .equals_text = {}};
+}
+
+TEST(Expect, StatsEqualOrStayWithinBounds) {
+    const Json json = to_json(some_report());  // 12 passes
+    EXPECT_FALSE(unmet(stat(12, {}, {}), json));
+    EXPECT_TRUE(unmet(stat(11, {}, {}), json));
+    EXPECT_FALSE(unmet(stat({}, 12, 12), json));
+    EXPECT_TRUE(unmet(stat({}, 11, {}), json));
+    EXPECT_TRUE(unmet(stat({}, {}, 13), json));
+    ExpectStat text{.path = "context.executor", .equals = {}, .at_most = {}, .at_least = {}, .equals_text = "cpu"};
+    EXPECT_FALSE(unmet(text, json));
+    text.equals_text = "gpu";
+    EXPECT_TRUE(unmet(text, json));
+    text.path = "queries.7.0";
+    EXPECT_TRUE(unmet(text, json));
+}
+
+TEST(Depth, IsTheInverseOfTheProjection) {
+    const double near_m = 0.5, far_m = 5000;
+    for (const double z : {0.5, 1.0, 10.0, 4999.0}) {
+        const double stored = far_m / (far_m - near_m) * (1 - near_m / z);
+        EXPECT_NEAR(depth_m(stored, near_m, far_m), z, 1e-9 * z * z / near_m);
+    }
+    EXPECT_TRUE(std::isinf(depth_m(1, near_m, far_m)));
+}
+
+}  // namespace
+}  // namespace tilth::demo
