@@ -69,11 +69,13 @@ protected:
     }
     void spoil_everything() {
         const Api& gl = device().gl();
-        for (GLenum what : {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST,
-                            GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_COLOR_LOGIC_OP,
-                            GL_SAMPLE_ALPHA_TO_COVERAGE, GL_CLIP_DISTANCE0 + 1})
+        for (GLenum what :
+             {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST, GL_CULL_FACE,
+              GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_COLOR_LOGIC_OP, GL_SAMPLE_ALPHA_TO_COVERAGE,
+              GL_SAMPLE_ALPHA_TO_ONE, GL_POLYGON_OFFSET_FILL, GL_CLIP_DISTANCE0 + 1})
             gl.Enable(what);
         gl.LogicOp(GL_INVERT);
+        gl.BlendFunc(GL_ZERO, GL_DST_COLOR);
         gl.Scissor(0, 0, 1, 1);
         gl.CullFace(GL_FRONT_AND_BACK);
         gl.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
@@ -124,6 +126,27 @@ TEST_F(TexelPassTest, does_not_depend_on_what_the_host_left) {
     StateGuard guard(device());
     draw_and_compare(16, 16, {{1, 2, 15, 9, {1, 2, 3, 4}}, {4, 4, 6, 16, {5, 6, 7, 8}}}, 0, 1, true);
     device().gl().StencilFunc(GL_ALWAYS, 0, ~0u);  // not the library's, hence not the guard's
+}
+
+TEST_F(TexelPassTest, an_open_pass_has_every_switch_off) {
+    // What this driver would not show in the texels: it does not dither, and our framebuffers have neither stencil nor
+    // samples. Others do.
+    StateGuard guard(device());
+    Texture2D target = integers("target", 4, 4);
+    ShaderLibrary library = shaders();
+    TexelPass pass = test::value(TexelPass::create(device(), library, "switches", "gl/write_payload.frag"));
+    StageStats stats;
+    const Texture2D* targets[] = {&target};
+    spoil_everything();
+    pass.begin(targets, 0, stats);
+    const Api& gl = device().gl();
+    for (GLenum what : {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST,
+                        GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_COLOR_LOGIC_OP,
+                        GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_POLYGON_OFFSET_FILL})
+        EXPECT_EQ(gl.IsEnabled(what), GL_FALSE) << what;
+    for (GLenum i = 0; i < 8; ++i) EXPECT_EQ(gl.IsEnabled(GL_CLIP_DISTANCE0 + i), GL_FALSE) << i;
+    for (GLuint i = 0; i < 8; ++i) EXPECT_EQ(gl.IsEnabledi(GL_BLEND, i), GL_FALSE) << i;
+    gl.StencilFunc(GL_ALWAYS, 0, ~0u);
 }
 
 TEST_F(TexelPassTest, nothing_to_draw_is_nothing_done) {

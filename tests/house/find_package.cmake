@@ -27,10 +27,9 @@ set(flags "")
 if(SANITIZE)
     set(flags "-fsanitize=${SANITIZE}")
 endif()
-string(REPLACE "," ";" components "${COMPONENTS}")
 tilth_run("configuring the consumer" ${CMAKE_COMMAND} -S "${SOURCE_DIR}/tests/house/consumer" -B "${WORK_DIR}/build" -G Ninja
     "-DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}"
-    "-DCMAKE_CXX_FLAGS=${flags}" "-DTILTH_COMPONENTS=${components}" "-DTILTH_VERSION=${VERSION}"
+    "-DCMAKE_CXX_FLAGS=${flags}" "-DTILTH_COMPONENTS=${COMPONENTS}" "-DTILTH_VERSION=${VERSION}"
     "-DTILTH_HEADERS=${WORK_DIR}/all_headers.h" "-DTILTH_POISON=${WORK_DIR}/poison")
 tilth_run("building the consumer" ${CMAKE_COMMAND} --build "${WORK_DIR}/build")
 foreach(program stamped_ground every_library)

@@ -12,7 +12,7 @@ class SilhouetteGlTest : public GlTest {};
 // A walk at 2 m above ridged mountains, 1 m posts. TILTH_SILHOUETTE_POSITIONS=60 looks at every position.
 TEST_F(SilhouetteGlTest, DiffersFromAllPostsInFewPixels) {
     const Mountains ground = mountains(1025, 200);
-    Scene scene(ground.field, ground.codec, {.clipmap = {.n = 255, .levels = 5, .blend = 0.1, .refine_above_px = std::getenv("PX") ? std::atof(std::getenv("PX")) : 1.5}});
+    Scene scene(ground.field, ground.codec, {.clipmap = {.n = 255, .levels = 5, .blend = 0.1}});
     BruteForceMesh reference(scene);
     const Target target(1600, 900);
     const char* wanted = std::getenv("TILTH_SILHOUETTE_POSITIONS");

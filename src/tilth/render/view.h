@@ -54,7 +54,7 @@ struct ClipmapSettings {
     double blend = 0.1;        ///< share of n over which a level morphs into the next coarser, 0.02..0.25; see check_clipmap
     /// Ground whose next finer level would move a vertex by more than this on the screen is drawn one level finer, four
     /// times the triangles there; 0..1e6 pixels, 0 refines all levels but the finest, 1e6 none. Smooth ground costs nothing.
-    double refine_above_px = 1.5;
+    double refine_above_px = 1.0;
 };
 
 }  // namespace tilth

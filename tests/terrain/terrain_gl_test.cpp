@@ -1,0 +1,266 @@
+// The facade: executors agree, nothing is done when nothing is asked, the host's state comes back, bad input is refused.
+#include "tilth/terrain.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/gl_context.h"
+#include "support/gl_state.h"
+#include "support/random_world.h"
+#include "tilth/source/analytic_sources.h"
+
+namespace tilth {
+namespace {
+
+class TerrainTest : public test::GlTest {
+protected:
+    static gl::GetProc get_proc() { return test::test_context(test::default_route()).context->get_proc(); }
+
+    static TerrainSettings settings(ExecutorKind executor, HeightPrecision precision = HeightPrecision::bits32) {
+        TerrainSettings made{.executor = executor, .clipmap = {.n = 31, .levels = 3}};
+        made.ground.precision = precision;
+        return made;
+    }
+    static std::shared_ptr<const HeightSource> ridged() {
+        return make_ridged_source({.seed = 3, .size = 257, .relief_m = 100});
+    }
+    static std::unique_ptr<Terrain> terrain(ExecutorKind executor, HeightPrecision precision = HeightPrecision::bits32,
+                                            bool with_gl = true) {
+        return test::value(
+            Terrain::create(ridged(), settings(executor, precision), with_gl ? get_proc() : nullptr));
+    }
+    static View view() {
+        return {.eye = {128, 120, 128}, .forward = {0.6, -0.5, 0.4}, .width = 160, .height = 90, .far_m = 1000};
+    }
+    /// `frames` frames of random stamps on both maps.
+    static void stamp_randomly(Terrain& terrain, int frames) {
+        for (int frame = 0; frame < frames; ++frame) {
+            for (const MapChoice map : {MapChoice::Coarse, MapChoice::Detail}) {
+                RandomStamps random{.seed = 100 + static_cast<std::uint64_t>(frame), .count = 15, .map = map};
+                random.region = {WorldPos{-5, -5}, WorldPos{261, 261}};
+                random.radius_m = {0.1, map == MapChoice::Coarse ? 12.0 : 1.5};
+                random.amplitude_m = {-1, 1};
+                for (std::uint32_t shape = 0; shape < kBuiltinProfiles; ++shape) random.shapes.push_back({shape});
+                random.rules = {StampRule::Add, StampRule::Min, StampRule::Max, StampRule::Set, StampRule::Smooth};
+                for (const StampRequest& request : random_stamps(random, terrain.ground()))
+                    ASSERT_TRUE(terrain.stamp(request));
+            }
+            ASSERT_TRUE(terrain.update(1.0 / 60));
+        }
+    }
+};
+
+TEST_F(TerrainTest, AllExecutorsLeaveTheSameBitsWithAndWithoutGl) {
+    for (const HeightPrecision precision : {HeightPrecision::bits32, HeightPrecision::bits16}) {
+        const std::unique_ptr<Terrain> gpu = terrain(ExecutorKind::Gpu, precision), cpu = terrain(ExecutorKind::Cpu, precision),
+                                       server = terrain(ExecutorKind::Cpu, precision, false);
+        const StateHash untouched = server->hash();
+        for (Terrain* each : {gpu.get(), cpu.get(), server.get()}) stamp_randomly(*each, 8);
+        EXPECT_EQ(gpu->hash(), server->hash());
+        EXPECT_EQ(cpu->hash(), server->hash());
+        EXPECT_NE(untouched.coarse, server->hash().coarse);
+        EXPECT_NE(untouched.detail, server->hash().detail);
+        for (const WorldPos at : {WorldPos{10.25, 20.75}, WorldPos{128.5, 3.125}, WorldPos{200, 250.9}})
+            EXPECT_EQ(gpu->height_m(at), server->height_m(at));
+    }
+}
+
+TEST_F(TerrainTest, AFrameWithoutStampsDoesNothing) {
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        const std::unique_ptr<Terrain> ground = terrain(executor);
+        stamp_randomly(*ground, 1);
+        ASSERT_TRUE(ground->drain());
+        ASSERT_TRUE(ground->update(1.0 / 60));
+        const test::Target target(160, 90);
+        target.clear(0, 0, 0);
+        ASSERT_TRUE(ground->draw(view(), {}));
+        const gl::FrameStats& frame = ground->last_frame();
+        EXPECT_EQ(frame.deform, gl::StageStats{});
+        EXPECT_EQ(frame.derive, gl::StageStats{});
+        EXPECT_EQ(frame.mips, gl::StageStats{});
+        EXPECT_EQ(frame.transfer, gl::TransferStats{});
+        EXPECT_EQ(frame.render.texels, 0u);
+        EXPECT_GT(frame.render.primitives, 0u) << "the frame was drawn";
+    }
+}
+
+TEST_F(TerrainTest, AFrameWithOneStampTouchesItsTexelsAlone) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Gpu);
+    ASSERT_TRUE(ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = -1, .map = MapChoice::Coarse}));
+    ASSERT_TRUE(ground->update(0));
+    EXPECT_EQ(ground->last_frame().deform.passes, 1u);
+    EXPECT_EQ(ground->last_frame().deform.texels, 21u * 21u);
+    EXPECT_EQ(ground->last_frame().derive.passes, 1u);
+    EXPECT_EQ(ground->last_frame().derive.texels, 23u * 23u) << "the stencil reaches one texel further";
+    EXPECT_LT(ground->last_frame().mips.texels, 23u * 23u / 2);
+}
+
+TEST_F(TerrainTest, EveryPublicCallLeavesTheHostsStateAsItWas) {
+    const gl::Api& gl = device().gl();
+    test::Target host(64, 64);
+    host.bind();
+    gl.Viewport(3, 4, 50, 40);  // a host's state that no default equals
+    gl.Enable(GL_BLEND);
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(1, 2, 30, 20);
+    gl.ColorMask(GL_TRUE, GL_FALSE, GL_TRUE, GL_FALSE);
+    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 8);
+    gl.PixelStorei(GL_UNPACK_ROW_LENGTH, 77);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 2);
+    gl.ActiveTexture(GL_TEXTURE3);
+    host.colour().bind(3);
+    gl.CullFace(GL_FRONT);
+    gl.DepthFunc(GL_GEQUAL);
+
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu, ExecutorKind::Automatic}) {
+        test::GlState before = test::capture_state(device());
+        const auto unchanged = [&](const char* call) {
+            const test::GlState after = test::capture_state(device());
+            for (const auto& [name, values] : before)
+                EXPECT_EQ(values, after.at(name)) << call << " changed " << name;
+        };
+        std::unique_ptr<Terrain> ground = terrain(executor);
+        unchanged("create");
+        ASSERT_TRUE(ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = -1, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->stamp({.centre = {90, 100}, .radius_m = 9, .amplitude_m = 0.5, .map = MapChoice::Coarse, .rule = StampRule::Smooth}));
+        unchanged("stamp");
+        ASSERT_TRUE(ground->update(1.0 / 60));
+        unchanged("update");
+        const BrushCursor cursor{.centre = {120, 120}, .radius_m = 3};
+        ASSERT_TRUE(ground->draw(view(), {}, &cursor));
+        unchanged("draw");
+        ground->replay(*ground->stamp({.centre = {10, 10}, .radius_m = 10, .amplitude_m = 400, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->drain());
+        unchanged("drain");
+        EXPECT_TRUE(std::isfinite(ground->height_m({1, 1})));
+        unchanged("height_m");
+        (void)ground->raycast({100, 500, 100}, {0, -1, 0}, 1000);
+        unchanged("raycast");
+        (void)ground->hash();
+        unchanged("hash");
+        ASSERT_TRUE(ground->reload_shaders());
+        unchanged("reload_shaders");
+        (void)ground->total();
+        (void)ground->gpu_bytes();
+        ground.reset();
+        unchanged("the destructor");
+    }
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_SCISSOR_TEST);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    gl.PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl.CullFace(GL_BACK);
+    gl.DepthFunc(GL_LESS);
+}
+
+TEST_F(TerrainTest, AStampShowsInThePictureOfTheSameFrame) {
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        const std::unique_ptr<Terrain> ground =
+            test::value(Terrain::create(std::make_shared<FlatSource>(257, 10.0), settings(executor), get_proc()));
+        const test::Target target(120, 90);
+        const View above{.eye = {128, 60, 128}, .forward = {0, -1, 0}, .width = 120, .height = 90};
+        const auto picture = [&] {
+            target.clear(1, 0, 1);
+            EXPECT_TRUE(ground->draw(above, {}));
+            return target.pixels();
+        };
+        const std::vector<std::uint8_t> before = picture();
+        ASSERT_TRUE(ground->stamp({.centre = {128, 128}, .radius_m = 12, .amplitude_m = -4, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->update(0));
+        const std::vector<std::uint8_t> after = picture();
+        int changed = 0;
+        for (std::size_t i = 0; i < before.size(); i += 4) changed += before[i] != after[i] || before[i + 1] != after[i + 1];
+        // The crater's disc of 12 m is seen from 50 m at 60 degrees: about 19 px in radius; its flat rim and middle do not change.
+        EXPECT_GT(changed, 400);
+        EXPECT_LT(changed, 1300);
+    }
+}
+
+TEST_F(TerrainTest, AutomaticSettlesOnAnExecutorAndSaysWhy) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Automatic);
+    EXPECT_NE(ground->executor(), ExecutorKind::Automatic);
+    EXPECT_NE(ground->executor_reason().find(" us by gpu and "), std::string::npos) << ground->executor_reason();
+    if (device().quirks().software_rasterizer) {
+        EXPECT_EQ(ground->executor(), ExecutorKind::Cpu);
+    }
+}
+
+TEST_F(TerrainTest, AStampAndItsNegationRestoreTheHashOnTheGpu) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Gpu);
+    const StateHash untouched = ground->hash();
+    std::vector<StampRecord> records;
+    for (std::uint32_t shape = 0; shape < kBuiltinProfiles; ++shape)
+        records.push_back(*ground->stamp({.shape = {shape}, .centre = {60.0 + 20 * shape, 100.3}, .radius_m = 11.7, .amplitude_m = 1.37, .map = MapChoice::Coarse}));
+    ASSERT_TRUE(ground->update(0));
+    EXPECT_NE(ground->hash(), untouched);
+    for (const StampRecord& record : records) ground->replay(negated(record));
+    ASSERT_TRUE(ground->update(0));
+    EXPECT_EQ(ground->hash(), untouched);
+}
+
+TEST_F(TerrainTest, SaturationOnTheGpuIsReported) {
+    const std::unique_ptr<Terrain> gpu = terrain(ExecutorKind::Gpu), cpu = terrain(ExecutorKind::Cpu);
+    for (Terrain* ground : {gpu.get(), cpu.get()}) {
+        for (int i = 0; i < 4; ++i)
+            ASSERT_TRUE(ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 300, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->update(0));
+        ASSERT_TRUE(ground->drain());
+    }
+    EXPECT_EQ(gpu->hash(), cpu->hash());
+    EXPECT_GT(cpu->total().deform.saturated, 0u);
+    EXPECT_EQ(gpu->total().deform.saturated, cpu->total().deform.saturated);
+}
+
+TEST_F(TerrainTest, AMirroredWorldDrawsFarFromItsSourceAndRefusesCoarseStamps) {
+    TerrainSettings mirrored = settings(ExecutorKind::Cpu);
+    mirrored.ground.mirror = true;
+    const std::unique_ptr<Terrain> ground = test::value(Terrain::create(ridged(), mirrored, get_proc()));
+    EXPECT_LT(ground->cpu_bytes(), 257u * 257u * 4u + 1000u);
+    // Post p and 2 * 256 * k - p show the same post of the source.
+    EXPECT_EQ(ground->height_m({100, 30}), ground->height_m({512.0 * 1000 - 100, 30}));
+    EXPECT_EQ(ground->height_m({100, 30}), ground->height_m({512.0 * 1000 + 100, 512.0 * 700 - 30}));
+    const Result<StampRecord> refused = ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 1, .map = MapChoice::Coarse});
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().message.rfind("map:", 0), 0u) << refused.error().message;
+
+    const test::Target target(160, 90);
+    const auto picture = [&](double x) {
+        View from_x = view();
+        from_x.eye.x = x;
+        target.clear(1, 0, 1);
+        EXPECT_TRUE(ground->draw(from_x, {}));
+        return target.pixels();
+    };
+    EXPECT_EQ(picture(128), picture(128 + 512.0 * 1000)) << "the world repeats every 512 posts";
+}
+
+TEST_F(TerrainTest, WithoutGlDrawingIsRefusedWithTheReason) {
+    const std::unique_ptr<Terrain> server = terrain(ExecutorKind::Cpu, HeightPrecision::bits32, false);
+    const Result<void> drawn = server->draw(view(), {});
+    ASSERT_FALSE(drawn);
+    EXPECT_NE(drawn.error().message.find("without a GL context"), std::string::npos);
+    EXPECT_FALSE(Terrain::create(ridged(), settings(ExecutorKind::Gpu), nullptr));
+}
+
+TEST_F(TerrainTest, BadSettingsAreRefusedByTheFieldsName) {
+    const auto refusal = [&](auto change) {
+        TerrainSettings bad = settings(ExecutorKind::Cpu);
+        change(bad);
+        const Result<std::unique_ptr<Terrain>> made = Terrain::create(ridged(), bad, get_proc());
+        return made ? std::string("accepted") : made.error().message;
+    };
+    EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.spacing_m = 0; }).rfind("spacing", 0), 0u);
+    EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.quantum_m = 0.3; }).rfind("quantum", 0), 0u);
+    EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.quantum_m = 1.0 / 65536; }).rfind("quantum", 0), 0u);
+    EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.tile_size = 100; }).rfind("tile_size", 0), 0u);
+    EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.origin.x = NAN; }).rfind("origin", 0), 0u);
+    EXPECT_NE(refusal([](TerrainSettings& s) { s.clipmap.n = 30; }).find("n"), std::string::npos);
+    EXPECT_NE(refusal([](TerrainSettings& s) { s.clipmap.n = 30; }), "accepted");
+    EXPECT_NE(refusal([](TerrainSettings& s) { s.shader_folder = "/nowhere"; }), "accepted");
+}
+
+}  // namespace
+}  // namespace tilth
