@@ -249,14 +249,23 @@ ExpectStep read_expect(TableReader& reader, const toml::table& table, const Scen
     return step;
 }
 
+std::string joined(const std::vector<std::string>& names) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+    return out;
+}
+
 /// The step's one key; nothing, and a problem, if there is none or more than one.
 std::optional<std::string> step_key(TableReader& reader, const toml::table& table) {
     std::vector<std::string> found;
     for (const std::string& key : kStepKeys)
         if (table.contains(key)) found.push_back(key);
     if (found.size() > 1) {
-        reader.wrong(found[1], text("a step has exactly one step key, and this one has ", one_of(found),
-                                    "; start another [[step]]"));
+        const auto later = std::max_element(found.begin(), found.end(), [&](const std::string& a, const std::string& b) {
+            return reader.line_of(a) < reader.line_of(b);
+        });
+        reader.wrong(*later, text("a step has exactly one step key, and this one has ", found.size(), ": ", joined(found),
+                                  "; start another [[step]]"));
         return {};
     }
     if (!found.empty()) return found.front();

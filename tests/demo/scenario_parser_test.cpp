@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "demo/corpus.h"
 #include "demo/scenario/read_scenario.h"
@@ -26,7 +27,9 @@ TEST(ScenarioCorpus, EveryFileIsRefusedAtItsLineAndKey) {
         ASSERT_GT(file.line, 0) << "the first line must read '# expect: LINE KEY'";
         Problems problems;
         const auto scenario = read_scenario(file.path, kContext, problems);
-        if (scenario) EXPECT_EQ(load_heights(scenario->terrain, problems), nullptr);
+        if (scenario) {
+            EXPECT_EQ(load_heights(scenario->terrain, problems), nullptr);
+        }
         bool found = false;
         for (const Problem& p : problems.list()) found |= p.line == file.line && p.key == file.key && !p.text.empty();
         EXPECT_TRUE(found) << problems.report("FILE");

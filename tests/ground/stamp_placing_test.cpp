@@ -72,7 +72,7 @@ TEST(StampPlacing, IsTheSameFarFromTheOrigin) {
             const test::UserShapes a(near->shapes()), b(far->shapes());
             std::mt19937 random(18);
             for (int i = 0; i < 200; ++i) {
-                StampRequest request{.shape = {random() % near->shapes().size()},
+                StampRequest request{.shape = {static_cast<std::uint32_t>(random() % near->shapes().size())},
                                      .centre = {(random() % 66000) / 1024.0, (random() % 66000) / 1024.0},
                                      .radius_m = 0.1 + (random() % 1000) * 0.015, .amplitude_m = 0.01, .rotation_rad = i * 0.1};
                 test::stamp(*near, request);
@@ -104,7 +104,7 @@ TEST(StampPlacing, TheSparseMapIsTheDenseMap) {
         std::mt19937 random(20);
         for (int i = 0; i < 400; ++i) {
             StampRecord record = test::record_at(random() % 400 - 40.0 + 0.37, random() % 400 - 40.3, 1 + random() % (i % 10 == 0 ? 150 : 20), random() >> 4,
-                                                 {random() % shapes.size()}, static_cast<StampRule>(random() % 5));
+                                                 {static_cast<std::uint32_t>(random() % shapes.size())}, static_cast<StampRule>(random() % 5));
             if (record.rule == StampRule::Smooth) record.amplitude &= 0xffff;
             record.rotation = static_cast<std::uint32_t>(random());
             record.key = static_cast<std::uint32_t>(random());

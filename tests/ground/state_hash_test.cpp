@@ -53,7 +53,7 @@ TEST(StateHash, IsTheHashOfTheDefinedBytes) {
             EXPECT_EQ(ground->hash(), by_definition(*ground));
             std::mt19937 random(22);
             for (int i = 0; i < 30; ++i)
-                test::stamp(*ground, {.shape = {random() % 6}, .centre = {random() % 150 + 0.3, random() % 150 + 0.6}, .radius_m = 1 + random() % 12 * 1.0, .amplitude_m = 0.1});
+                test::stamp(*ground, {.shape = {static_cast<std::uint32_t>(random() % 6)}, .centre = {random() % 150 + 0.3, random() % 150 + 0.6}, .radius_m = 1 + random() % 12 * 1.0, .amplitude_m = 0.1});
             EXPECT_EQ(ground->hash(), by_definition(*ground)) << "tile " << tile;
         }
 }

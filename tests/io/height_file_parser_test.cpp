@@ -209,7 +209,7 @@ TEST(HeightFile, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
     EXPECT_REFUSED_FOR("can hold", folder.put("claims.tif", TinyTiff(16384, 16384, counting(4)).bytes()));
     refused(folder.put("claims_zip.tif", TinyTiff(16384, 16384, counting(4)).set(259, 8).bytes()));
 
-    // A PNG whose header says 16 384 x 16 384, with its checksum right: 29 bytes behind it cannot hold that.
+    // A PNG whose header says 16 384 x 16 384, with its checksum right: 28 bytes behind it cannot hold that.
     const unsigned char png[] = {0x89, 'P', 'N', 'G',  13, 10, 26, 10,   0, 0,  0, 13, 'I', 'H', 'D',
                                  'R',  0,   0,   0x40, 0,  0,  0,  0x40, 0, 16, 0, 0,  0,   0};
     std::string bytes(reinterpret_cast<const char*>(png), sizeof png);
@@ -219,7 +219,7 @@ TEST(HeightFile, AbsurdSizesAreRefusedBeforeMemoryIsTaken) {
         for (int i = 0; i < 8; ++i) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
     }
     for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(~crc >> shift & 0xff);
-    bytes += std::string("\0\0\0\4IDAT\0\0\0\0\0\0\0\0", 16);
+    bytes += std::string("\0\0\0\4IDAT\0\0\0\0\0\0\0\0\0\0\0\0IEND\xae\x42\x60\x82", 28);
     EXPECT_REFUSED_FOR("can hold", folder.put("claims.png", bytes));
 }
 

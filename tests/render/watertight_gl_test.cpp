@@ -48,9 +48,9 @@ struct Found {
 Found fly_over(Scene& scene, const Target& target, int frames, int first_frame = 0) {
     Found found;
     const double middle = (scene.field().width() - 1) / 2.0;
-    const double heights_m[] = {1.5, 6, 25, 60, 140};
+    const double heights_m[] = {1.5, 6, 20, 40, 75};
     for (int i = first_frame; i < first_frame + frames; ++i) {
-        const double turn = i * 0.1234567, radius = middle * (0.15 + 0.45 * std::fmod(i * 0.618034, 1.0));
+        const double turn = i * 0.1234567, radius = middle * (0.15 + 0.4 * std::fmod(i * 0.618034, 1.0));
         const double x = middle + radius * std::cos(turn), z = middle + radius * std::sin(turn);
         const double pitches[] = {-0.12, -0.45, -0.9, -1.3};
         const double pitch = pitches[i % 4], heading = turn * 1.7;
@@ -65,7 +65,9 @@ Found fly_over(Scene& scene, const Target& target, int frames, int first_frame =
         found.holes += in_frame;
         int sky = 0;
         for (std::size_t p = 0; p < picture.size(); p += 4) sky += is_magenta(&picture[p]);
-        if (down) EXPECT_EQ(sky, 0) << "looking straight down, frame " << i;
+        if (down) {
+            EXPECT_EQ(sky, 0) << "looking straight down, frame " << i;
+        }
         found.frames_with_sky += sky > 0;
         found.frames_without_ground += sky * 4 == static_cast<int>(picture.size());
         found.refined += scene.renderer().last_counts().refined_blocks;

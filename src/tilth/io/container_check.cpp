@@ -54,10 +54,10 @@ std::optional<std::string> wrong_png(Cursor at) {
         const bool last = at.u32_big() == 0x49454e44;  // "IEND"; what follows it is nobody's
         if (length + 4 > at.left())
             return text("damaged or truncated: a chunk of ", length, " bytes where ", at.left(), " are left");
-        if (last) break;
+        if (last) return std::nullopt;
         at.skip(length + 4);
     }
-    return std::nullopt;
+    return "truncated: its closing chunk is missing";
 }
 
 // Magic 4, version 4, then attributes: name, zero, type, zero, size 4, value; an empty name ends a header. With several

@@ -25,18 +25,23 @@ std::uint32_t error_near(std::int32_t level, std::int32_t node_x, std::int32_t n
     return input.bounds.level_error(level, {{x.min, z.min}, {x.max + 1, z.max + 1}});
 }
 
+/// Where one side of a block lies on the other axis. Sides: 0 low z, 1 high z, 2 low x, 3 high x.
+std::int32_t across_of(const ClipmapBlock& block, int side) {
+    return side == 0 ? block.z : side == 1 ? block.z + block.depth : side == 2 ? block.x : block.x + block.width;
+}
+
+/// Whether nothing is drawn beyond one side of a block: the map ends there, or the coarsest window does.
+bool ground_ends(const ClipmapBlock& block, int side, const ClipmapLayout& layout, std::int32_t last) {
+    const std::int32_t across = across_of(block, side);
+    const ClipmapBlock& outermost = layout.windows.back();
+    return across <= 0 || std::int64_t{across} << block.level >= last ||
+           (block.level == outermost.level && across == across_of(outermost, side));
+}
+
 /// Marks the parts of one side of `block` (quads along it) that another refined block shares.
 void mark_shared(const ClipmapBlock& block, int side, const ClipmapBlock& other, std::array<bool, kBlockQuads>& shared) {
     const bool along_x = side < 2;
-    const std::int32_t across = side == 0   ? block.z
-                                : side == 1 ? block.z + block.depth
-                                : side == 2 ? block.x
-                                            : block.x + block.width;
-    const std::int32_t facing = side == 0   ? other.z + other.depth
-                                : side == 1 ? other.z
-                                : side == 2 ? other.x + other.width
-                                            : other.x;
-    if (across != facing) return;
+    if (across_of(block, side) != across_of(other, side ^ 1)) return;
     const std::int32_t start = along_x ? block.x : block.z, length = along_x ? block.width : block.depth;
     const std::int32_t other_start = along_x ? other.x : other.z, other_length = along_x ? other.width : other.depth;
     const std::int32_t from = std::max(start, other_start), to = std::min(start + length, other_start + other_length);
@@ -48,7 +53,7 @@ void add_side(const ClipmapBlock& block, int side, const std::array<bool, kBlock
               std::vector<DrawnBlock>& stitches) {
     const bool along_x = side < 2;
     const std::int32_t start = along_x ? block.x : block.z, length = along_x ? block.width : block.depth;
-    const std::int32_t across = (along_x ? block.z + (side == 1 ? block.depth : 0) : block.x + (side == 3 ? block.width : 0));
+    const std::int32_t across = across_of(block, side);
     constexpr std::int32_t longest = kBlockQuads / 2;  // coarse quads; twice as many fine ones
     for (std::int32_t i = 0; i < length;) {
         if (shared[static_cast<std::size_t>(i)]) {
@@ -123,7 +128,8 @@ ClipmapRefinement clipmap_refinement(const ClipmapSettings& settings, const Clip
     return refinement;
 }
 
-DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& refinement) {
+DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& refinement, std::int32_t last_x,
+                         std::int32_t last_z) {
     DrawnBlocks drawn;
     std::vector<ClipmapBlock> refined;
     for (const ClipmapBlock& b : layout.blocks) {
@@ -141,6 +147,7 @@ DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& r
     for (const ClipmapBlock& s : layout.stitches) drawn.stitches.push_back({s, s.level});
     for (const ClipmapBlock& b : refined) {
         for (int side = 0; side < 4; ++side) {
+            if (ground_ends(b, side, layout, side < 2 ? last_z : last_x)) continue;
             std::array<bool, kBlockQuads> shared{};
             for (const ClipmapBlock& other : refined)
                 if (other.level == b.level) mark_shared(b, side, other, shared);

@@ -57,11 +57,13 @@ struct DrawnBlock {
     std::int32_t base_level = 0;  ///< block.level, or one more if refined
 };
 
-/// What is drawn for a layout: refined blocks are cut in four; stitches along their borders to unrefined ground are added
-/// to those of the layout.
+/// What is drawn for a layout: refined blocks are cut in four; stitches along their borders to unrefined ground are added to
+/// those of the layout. None where ground ends (there w is not 0 and a stitch would be a fin): `last_x`, `last_z` are the
+/// map's last posts, as the layout was made for.
 struct DrawnBlocks {
     std::vector<DrawnBlock> blocks, stitches;
 };
-DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& refinement);
+DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& refinement, std::int32_t last_x,
+                         std::int32_t last_z);
 
 }  // namespace tilth

@@ -210,7 +210,7 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
 void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bounds) {
     const ClipmapLayout layout = clipmap_layout(settings_, camera.eye_posts, last_post_.x, last_post_.z);
     refinement_ = clipmap_refinement(settings_, layout, camera, {map_.grid, map_.codec, map_.mirrored, bounds});
-    drawn_ = drawn_blocks(layout, refinement_);
+    drawn_ = drawn_blocks(layout, refinement_, last_post_.x, last_post_.z);
     if (debug_.cull_blocks) {
         const auto hidden = [&](const DrawnBlock& drawn) { return !is_visible(drawn, camera, bounds); };
         counts_.culled_blocks = static_cast<std::uint32_t>(std::erase_if(drawn_.blocks, hidden));

@@ -1,4 +1,5 @@
-// Links every library of the package, with every installed header included before this line (by the compiler's -include).
+// Links every library of the package, with every installed header included before this line (by the compiler's
+// -include).
 #include <cstdio>
 #include <memory>
 #include <string>

@@ -1,4 +1,5 @@
-// A dedicated server in small: one stamp on flat ground, and its inverse. Prints the hash; exit status 0 if all is right.
+// A dedicated server in small: one stamp on flat ground, and its inverse. Prints the hash; exit status 0 if all is
+// right.
 #include <cmath>
 #include <cstdio>
 #include <memory>

@@ -64,7 +64,7 @@ inline void upload_slopes(SlopeMap& slopes, const HeightField& field, float per_
                     } else {  // to half, truncated; no denormals
                         int exponent = 0;
                         const float mantissa = std::frexp(std::abs(s), &exponent);
-                        const int bits = exponent < -13 ? 0 : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
+                        const int bits = s == 0 || exponent < -13 ? 0 : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
                         halves.push_back(static_cast<std::uint16_t>(bits | (s < 0 ? 0x8000 : 0)));
                     }
                 }
