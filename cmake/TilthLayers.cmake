@@ -11,7 +11,8 @@ target_compile_options(tilth_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -
     -Wno-missing-field-initializers $<$<BOOL:${TILTH_WARNINGS_ARE_ERRORS}>:-Werror>
     -ffp-contract=off -fno-math-errno -fno-trapping-math)
 if(TILTH_SANITIZE)
-    target_compile_options(tilth_flags INTERFACE -fsanitize=${TILTH_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+    # vptr needs the type information that the library is built without.
+    target_compile_options(tilth_flags INTERFACE -fsanitize=${TILTH_SANITIZE} -fno-sanitize=vptr -fno-omit-frame-pointer -fno-sanitize-recover=all)
     target_link_options(tilth_flags INTERFACE -fsanitize=${TILTH_SANITIZE})
 endif()
 

@@ -4,11 +4,9 @@
 #define TILTH_SHARED_SLOPE_MATH
 #include "shared/prelude.glsl"
 
-// Difference of two codes as a float, in code quanta. The subtraction is exact modulo 2^32; neighbours differ by less
-// than half the range, or the slope is a cliff whose sign is kept by saturating.
-SHARED_FUNCTION float code_difference(uint a, uint b) {
-    return a >= b ? float(a - b) : -float(b - a);
-}
+// Difference of two codes as a float, in code quanta, to one quantum: halved first, so that it fits a signed integer
+// whatever the codes are and a cliff keeps its sign.
+SHARED_FUNCTION float code_difference(uint a, uint b) { return float(int(a >> 1) - int(b >> 1)) * 2.0f; }
 
 // dh along one axis at post `position` of 0..last, from the codes of the posts two and one before it and one and two after
 // it (clamped to the map). per_m = code quantum [m] / spacing [m].

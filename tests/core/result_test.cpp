@@ -40,9 +40,7 @@ TEST(ResultDeathTest, ReadingWhatIsNotThereStopsTheProgramWithTheMessage) {
     EXPECT_DEATH(static_cast<void>(half_of(8).error()), "holds a value");
 }
 
-TEST(Text, PrintsDoublesSoThatTheyCanBeReadBack) {
-    EXPECT_EQ(text("a ", 0.1, ' ', 3), "a 0.10000000000000001 3");
-}
+TEST(Text, PrintsDoublesSoThatTheyCanBeReadBack) { EXPECT_EQ(text("a ", 0.1, ' ', 3), "a 0.10000000000000001 3"); }
 
 }  // namespace
 }  // namespace tilth

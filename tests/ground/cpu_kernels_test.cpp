@@ -54,7 +54,8 @@ TEST_P(KernelsByPrecision, GiveTheBitsAndTheSaturatedCountOfTheDefinition) {
     const std::uint32_t kept = GetParam() == HeightPrecision::bits16 ? 0xffff0000u : 0xffffffffu;
     HeightField start(kWidth, kDepth);
     for (std::uint32_t& code : start.codes())  // a third of the range in the middle, some at the very ends
-        code = (draw.below(50) == 0 ? (draw.below(2) == 0 ? 0u : 0xffffffffu) : 0x55555555u + draw.below(0x55555555u)) & kept;
+        code = (draw.below(50) == 0 ? (draw.below(2) == 0 ? 0u : 0xffffffffu) : 0x55555555u + draw.below(0x55555555u)) &
+               kept;
 
     std::vector<std::uint32_t> expected(start.codes().begin(), start.codes().end());
     std::vector<HeightField> fields(available_cpu_kernels().size(), start);
@@ -76,15 +77,17 @@ TEST_P(KernelsByPrecision, GiveTheBitsAndTheSaturatedCountOfTheDefinition) {
             for (std::size_t i = 0; i < expected.size(); ++i)
                 ASSERT_EQ(fields[set].codes()[i], expected[i])
                     << available_cpu_kernels()[set]->name << " stamp " << done << " shape " << record.shape << " rule "
-                    << static_cast<int>(record.rule) << " radius " << record.radius << " texel " << i % kWidth << ", " << i / kWidth;
+                    << static_cast<int>(record.rule) << " radius " << record.radius << " texel " << i % kWidth << ", "
+                    << i / kWidth;
         }
     }
     EXPECT_GT(saturated_texels, 1000);  // the draw did reach the ends of the range
     for (const std::int64_t count : by_rule) EXPECT_GT(count, 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(Both, KernelsByPrecision, testing::ValuesIn(test::kBothPrecisions),
-                         [](const auto& param) { return param.param == HeightPrecision::bits32 ? "bits32" : "bits16"; });
+INSTANTIATE_TEST_SUITE_P(Both, KernelsByPrecision, testing::ValuesIn(test::kBothPrecisions), [](const auto& param) {
+    return param.param == HeightPrecision::bits32 ? "bits32" : "bits16";
+});
 
 TEST(CpuKernels, TheDefaultIsTheBestAvailable) {
     ASSERT_GE(available_cpu_kernels().size(), 1u);
@@ -106,11 +109,16 @@ TEST(CpuKernels, TheLargestRadiusIsRight) {
             for (std::int32_t x = prepared.rect().min.x; x < prepared.rect().max.x; x += kKernelTexels) {
                 codes.assign(kKernelTexels, kMidCode);
                 const std::int32_t count = std::min(kKernelTexels, prepared.rect().max.x - x);
-                EXPECT_EQ(kernels->apply_row({.stamp = &prepared.params, .weights = prepared.shape->weights.data(), .x = x,
-                                              .z = z, .count = count, .codes = codes.data()}),
+                EXPECT_EQ(kernels->apply_row({.stamp = &prepared.params,
+                                              .weights = prepared.shape->weights.data(),
+                                              .x = x,
+                                              .z = z,
+                                              .count = count,
+                                              .codes = codes.data()}),
                           0u);
                 for (std::int32_t i = 0; i < count; ++i)
-                    ASSERT_EQ(std::int64_t{codes[static_cast<std::size_t>(i)]} - std::int64_t{kMidCode}, definition.change(x + i, z))
+                    ASSERT_EQ(std::int64_t{codes[static_cast<std::size_t>(i)]} - std::int64_t{kMidCode},
+                              definition.change(x + i, z))
                         << kernels->name << " texel " << x + i << ", " << z;
             }
         }

@@ -24,7 +24,8 @@ std::vector<int> quanta(std::uint32_t amplitude, std::uint32_t key, bool negativ
     return result;
 }
 
-// Each texel takes floor(a) or one more, with probability f: mean f, standard deviation sqrt(f (1 - f) / n); five of them.
+// Each texel takes floor(a) or one more, with probability f: mean f, standard deviation sqrt(f (1 - f) / n); five of
+// them.
 TEST(Dither, IsUnbiasedOverTexelsAndOverKeys) {
     for (const double fraction : {0.01, 0.3, 0.5, 0.51, 0.99}) {
         const auto amplitude = static_cast<std::uint32_t>((3 + fraction) * 65536);

@@ -15,8 +15,9 @@ class Exact : public testing::TestWithParam<HeightPrecision> {
 protected:
     GroundSettings settings() const { return {.precision = GetParam()}; }
 };
-INSTANTIATE_TEST_SUITE_P(Both, Exact, testing::ValuesIn(test::kBothPrecisions),
-                         [](const auto& param) { return param.param == HeightPrecision::bits32 ? "bits32" : "bits16"; });
+INSTANTIATE_TEST_SUITE_P(Both, Exact, testing::ValuesIn(test::kBothPrecisions), [](const auto& param) {
+    return param.param == HeightPrecision::bits32 ? "bits32" : "bits16";
+});
 
 /// Additive stamps of every shape, on both maps, over a world of 65 posts a side.
 std::vector<StampRecord> additive_records(Ground& ground, int count) {
@@ -64,8 +65,11 @@ TEST_P(Exact, AStampAndItsNegationRestoreTheHash) {
     for (const double radius : {0.001, 0.02, 0.3, 0.9999, 1.3, 7.7, 20.0})
         for (const double x : {32.3, 0.2, -1.0, 64.9})
             for (const BuiltinProfile profile : test::kAllProfiles) {
-                const StampRecord record = test::issued(*ground, {.shape = test::builtin(profile), .centre = {x, 31.1}, .radius_m = radius,
-                                                                  .amplitude_m = -1.7, .map = MapChoice::Detail});
+                const StampRecord record = test::issued(*ground, {.shape = test::builtin(profile),
+                                                                  .centre = {x, 31.1},
+                                                                  .radius_m = radius,
+                                                                  .amplitude_m = -1.7,
+                                                                  .map = MapChoice::Detail});
                 ASSERT_EQ(ground->apply(record).saturated, 0u);
                 ground->apply(negated(record));
                 ASSERT_EQ(ground->hash(), before) << "radius " << radius << " profile " << static_cast<int>(profile);
@@ -83,11 +87,14 @@ TEST(ExactStamps, AMillionStampsAtOnePlaceAreTheSumInIntegers) {
     double real_m = 0;  // at the centre
     for (int i = 0; i < kRecords; ++i) {
         const double amplitude_m = (1.0 + 0.37 * i) * 1e-3;
-        StampRecord record = test::record_at(11, 12, 1.8 + 0.4 * (i / 2), static_cast<std::uint32_t>(std::lround(amplitude_m * 0x1p28)),
-                                             {static_cast<std::uint32_t>(i / 2 % 4)});
+        StampRecord record =
+            test::record_at(11, 12, 1.8 + 0.4 * (i / 2), static_cast<std::uint32_t>(std::lround(amplitude_m * 0x1p28)),
+                            {static_cast<std::uint32_t>(i / 2 % 4)});
         record.negative = static_cast<std::uint8_t>(i % 2);  // neighbours differ in amplitude: 0.37 mm a pair remain
         const reference::Stamp definition(record, map, shapes);
-        for (std::size_t t = 0; t < sum.size(); ++t) sum[t] += definition.change(static_cast<int>(t) % 24, static_cast<int>(t) / 24) * (1000000 / kRecords / 200);
+        for (std::size_t t = 0; t < sum.size(); ++t)
+            sum[t] +=
+                definition.change(static_cast<int>(t) % 24, static_cast<int>(t) / 24) * (1000000 / kRecords / 200);
         prepared.push_back(prepare(record, map, shapes));
         const double least = shapes.shape({record.shape}).least_radius_texels * 1024;
         const double widening = record.radius < least ? record.radius / least : 1.0;
@@ -97,10 +104,12 @@ TEST(ExactStamps, AMillionStampsAtOnePlaceAreTheSumInIntegers) {
     HeightField part(24, 24);
     // 200 times the same 5 000 stamps; after each the map starts where the last left off, down again by its negation.
     for (int round = 0; round < 200; ++round) {
-        for (int i = 0; i < 1000000 / 200; ++i) saturated += apply_stamp(prepared[static_cast<std::size_t>(i % kRecords)], field).saturated;
+        for (int i = 0; i < 1000000 / 200; ++i)
+            saturated += apply_stamp(prepared[static_cast<std::size_t>(i % kRecords)], field).saturated;
         if (round == 0) part = field;
         if (round % 2 == 0) {
-            for (std::size_t t = 0; t < sum.size(); ++t) ASSERT_EQ(std::int64_t{field.codes()[t]}, sum[t]) << t << " round " << round;
+            for (std::size_t t = 0; t < sum.size(); ++t)
+                ASSERT_EQ(std::int64_t{field.codes()[t]}, sum[t]) << t << " round " << round;
             for (PreparedStamp& stamp : prepared) stamp.params.flags ^= STAMP_NEGATIVE;
         } else {
             for (const std::uint32_t code : field.codes()) ASSERT_EQ(code, kMidCode) << "round " << round;
@@ -117,7 +126,10 @@ TEST(ExactStamps, AMillionStampsAtOnePlaceAreTheSumInIntegers) {
 TEST_P(Exact, TheTotalOfManyStampsNeverWraps) {
     const std::uint32_t top = GetParam() == HeightPrecision::bits16 ? 0xffff0000u : 0xffffffffu;
     auto ground = test::flat_ground(17, settings());
-    const StampRequest disc{.shape = test::builtin(BuiltinProfile::Disc), .centre = {8, 8}, .radius_m = 3, .amplitude_m = 5,
+    const StampRequest disc{.shape = test::builtin(BuiltinProfile::Disc),
+                            .centre = {8, 8},
+                            .radius_m = 3,
+                            .amplitude_m = 5,
                             .map = MapChoice::Detail};
     StampRequest dig = disc;
     dig.amplitude_m = -5;
@@ -153,9 +165,14 @@ TEST_P(Exact, MinAndMaxAreIdempotentAndDoNotDependOnTheKey) {
     for (const StampRule rule : {StampRule::Min, StampRule::Max})
         for (const BuiltinProfile profile : test::kAllProfiles) {
             auto once = test::flat_ground(33, settings()), twice = test::flat_ground(33, settings());
-            StampRequest request{.shape = test::builtin(profile), .centre = {15.7, 16.2}, .radius_m = 4.3,
-                                 .amplitude_m = rule == StampRule::Min ? -0.123 : 0.123, .map = MapChoice::Detail, .rule = rule,
-                                 .rotation_rad = 1, .key = 1};
+            StampRequest request{.shape = test::builtin(profile),
+                                 .centre = {15.7, 16.2},
+                                 .radius_m = 4.3,
+                                 .amplitude_m = rule == StampRule::Min ? -0.123 : 0.123,
+                                 .map = MapChoice::Detail,
+                                 .rule = rule,
+                                 .rotation_rad = 1,
+                                 .key = 1};
             test::stamp(*once, request);
             for (const std::uint32_t key : {2u, 3u, 4u}) request.key = key, test::stamp(*twice, request);
             EXPECT_EQ(once->hash(), twice->hash());
@@ -176,10 +193,15 @@ TEST_P(Exact, OverlappingPrintsAreNotDeeperThanOne) {
     const test::UserShapes user(ground->shapes());
     std::mt19937 random(9);
     for (int i = 0; i < 200; ++i)
-        test::stamp(*ground, {.shape = user.image, .centre = {14 + 4e-9 * static_cast<double>(random()), 16}, .radius_m = 0.8, .amplitude_m = -0.03,
-                              .rule = StampRule::Min, .rotation_rad = static_cast<double>(i)});
+        test::stamp(*ground, {.shape = user.image,
+                              .centre = {14 + 4e-9 * static_cast<double>(random()), 16},
+                              .radius_m = 0.8,
+                              .amplitude_m = -0.03,
+                              .rule = StampRule::Min,
+                              .rotation_rad = static_cast<double>(i)});
     std::uint32_t lowest = kMidCode;
-    for (const auto& [page, codes] : ground->detail().pages()) lowest = std::min(lowest, *std::min_element(codes->begin(), codes->end()));
+    for (const auto& [page, codes] : ground->detail().pages())
+        lowest = std::min(lowest, *std::min_element(codes->begin(), codes->end()));
     const double depth = -HeightCodec::detail().height_m(lowest);
     EXPECT_LE(depth, 0.03 + (GetParam() == HeightPrecision::bits16 ? 0x1p-13 : 0x1p-29));
     EXPECT_GT(depth, 0.02);
@@ -223,7 +245,9 @@ TEST_P(Exact, LevelsBeyondTheRangeSaturate) {
         StampRecord record = test::record_at(8, 8, 6, 0x80000000u, test::builtin(BuiltinProfile::Disc), rule);
         record.level = 0xc0000000u;
         const ApplyResult result = apply_stamp(prepare(record, map, shapes), field);
-        EXPECT_EQ(result.saturated, static_cast<std::uint64_t>(std::count_if(field.codes().begin(), field.codes().end(), [](std::uint32_t c) { return c != kMidCode; })));
+        EXPECT_EQ(result.saturated,
+                  static_cast<std::uint64_t>(std::count_if(field.codes().begin(), field.codes().end(),
+                                                           [](std::uint32_t c) { return c != kMidCode; })));
         EXPECT_EQ(field.code({8, 8}), GetParam() == HeightPrecision::bits16 ? 0xffff0000u : 0xffffffffu);
     }
 }
@@ -233,10 +257,12 @@ TEST(ExactStamps, AddingShapesDoesNotMoveThoseInUse) {
     const MapGeometry map = test::map_of(32);
     ShapeLibrary shapes;
     HeightField before(32, 32), after(32, 32);
-    const PreparedStamp prepared = prepare(test::record_at(16, 16, 8, 1u << 20, test::builtin(BuiltinProfile::Cosine)), map, shapes);
+    const PreparedStamp prepared =
+        prepare(test::record_at(16, 16, 8, 1u << 20, test::builtin(BuiltinProfile::Cosine)), map, shapes);
     apply_stamp(prepared, before);
     const Shape* shape = &shapes.shape(test::builtin(BuiltinProfile::Cosine));
-    for (int i = 0; i < 100; ++i) ASSERT_TRUE(shapes.add_profile("profile " + std::to_string(i), [](double t) { return 1 - t; }).ok());
+    for (int i = 0; i < 100; ++i)
+        ASSERT_TRUE(shapes.add_profile("profile " + std::to_string(i), [](double t) { return 1 - t; }).ok());
     ASSERT_EQ(&shapes.shape(test::builtin(BuiltinProfile::Cosine)), shape);
     apply_stamp(prepared, after);
     EXPECT_TRUE(std::ranges::equal(before.codes(), after.codes()));

@@ -38,7 +38,10 @@ TEST(GroundThreads, KernelsAreChosenOnce) {
 
 void stamp_many(Ground& ground) {
     for (int i = 0; i < 60; ++i)
-        test::stamp(ground, {.shape = {static_cast<std::uint32_t>(i % 6)}, .centre = {5.3 + i % 23, 9.1 + i % 17}, .radius_m = 0.2 + i * 0.15, .amplitude_m = 0.05,
+        test::stamp(ground, {.shape = {static_cast<std::uint32_t>(i % 6)},
+                             .centre = {5.3 + i % 23, 9.1 + i % 17},
+                             .radius_m = 0.2 + i * 0.15,
+                             .amplitude_m = 0.05,
                              .rule = i % 3 == 0 ? StampRule::Add : StampRule::Smooth});
 }
 

@@ -33,19 +33,23 @@ std::vector<Bad> bad_requests() {
         add("centre", [&](StampRequest& r) { r.centre.z = v; });
     }
     for (const double v : {kNan, kInf, -kInf, 0.0, -0.0, -1.0, 8192.0, 1e300})
-        for (const MapChoice map : {MapChoice::Auto, MapChoice::Coarse, MapChoice::Detail}) add("radius", [&](StampRequest& r) { r.radius_m = v, r.map = map; });
+        for (const MapChoice map : {MapChoice::Auto, MapChoice::Coarse, MapChoice::Detail})
+            add("radius", [&](StampRequest& r) { r.radius_m = v, r.map = map; });
     add("radius", [](StampRequest& r) { r.radius_m = 8192.0 / 3, r.map = MapChoice::Detail; });
     for (const double v : {kNan, kInf, -kInf}) add("rotation", [&](StampRequest& r) { r.rotation_rad = v; });
     for (const double v : {kNan, kInf, -kInf, 16.1, -16.1, 1e300})
         for (const StampRule rule : {StampRule::Add, StampRule::Min, StampRule::Max, StampRule::Set})
             add("amplitude", [&](StampRequest& r) { r.amplitude_m = v, r.rule = rule; });
     for (const double v : {kNan, kInf, -1e-9, 1.0000001})
-        for (const MapChoice map : {MapChoice::Coarse, MapChoice::Detail}) add("amplitude", [&](StampRequest& r) { r.amplitude_m = v, r.rule = StampRule::Smooth, r.map = map; });
+        for (const MapChoice map : {MapChoice::Coarse, MapChoice::Detail})
+            add("amplitude", [&](StampRequest& r) { r.amplitude_m = v, r.rule = StampRule::Smooth, r.map = map; });
     for (const StampRule rule : {StampRule::Min, StampRule::Max, StampRule::Set}) {
         add("level", [&](StampRequest& r) { r.rule = rule, r.map = MapChoice::Coarse; });
         add("level", [&](StampRequest& r) { r.rule = rule, r.radius_m = 8; });  // auto takes the coarse map
-        for (const double v : {kNan, kInf, -kInf, 8.0, -8.01}) add("level", [&](StampRequest& r) { r.rule = rule, r.level_m = v; });
-        for (const double v : {kNan, 10 + 32.0, 10 - 32.01}) add("level", [&](StampRequest& r) { r.rule = rule, r.map = MapChoice::Coarse, r.level_m = v; });
+        for (const double v : {kNan, kInf, -kInf, 8.0, -8.01})
+            add("level", [&](StampRequest& r) { r.rule = rule, r.level_m = v; });
+        for (const double v : {kNan, 10 + 32.0, 10 - 32.01})
+            add("level", [&](StampRequest& r) { r.rule = rule, r.map = MapChoice::Coarse, r.level_m = v; });
     }
     return bad;
 }
@@ -55,18 +59,21 @@ TEST(Issue, RefusesBadFieldsByNameAndChangesNothing) {
     const StateHash before = ground->hash();
     for (const Bad& bad : bad_requests()) {
         const Result<StampRecord> result = ground->issue(bad.request);
-        ASSERT_FALSE(result.ok()) << bad.field << " radius " << bad.request.radius_m << " amplitude " << bad.request.amplitude_m;
+        ASSERT_FALSE(result.ok()) << bad.field << " radius " << bad.request.radius_m << " amplitude "
+                                  << bad.request.amplitude_m;
         EXPECT_EQ(result.error().code, ErrorCode::InvalidArgument);
         EXPECT_EQ(result.error().message.rfind(std::string(bad.field) + ":", 0), 0u) << result.error().message;
     }
     EXPECT_EQ(ground->hash(), before);
     EXPECT_TRUE(ground->detail().pages().empty());
-    EXPECT_EQ(test::issued(*ground, {.shape = {0}, .centre = {1, 1}, .amplitude_m = 0.1}).sequence, 1u);  // none was used
+    EXPECT_EQ(test::issued(*ground, {.shape = {0}, .centre = {1, 1}, .amplitude_m = 0.1}).sequence,
+              1u);  // none was used
 }
 
 TEST(Issue, TakesTheEndsOfTheAllowedRanges) {
     auto ground = test::flat_ground(33);
-    const StampRequest good{.shape = {5}, .centre = {16, 16}, .radius_m = 2, .amplitude_m = 0.1, .map = MapChoice::Detail};
+    const StampRequest good{
+        .shape = {5}, .centre = {16, 16}, .radius_m = 2, .amplitude_m = 0.1, .map = MapChoice::Detail};
     const auto taken = [&](auto&& change) {
         StampRequest request = good;
         change(request);
@@ -78,10 +85,13 @@ TEST(Issue, TakesTheEndsOfTheAllowedRanges) {
     EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Smooth, r.amplitude_m = 1; }).amplitude, 65536u);
     EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Min; }).level, kMidCode);  // 0 unless given
     EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Min, r.level_m = -8.0; }).level, 0u);
-    EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Set, r.level_m = 10, r.map = MapChoice::Coarse; }).level, kMidCode);
+    EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Set, r.level_m = 10, r.map = MapChoice::Coarse; }).level,
+              kMidCode);
     EXPECT_EQ(taken([](StampRequest& r) { r.rotation_rad = 1e9; }).sequence, 8u);
     ground->apply(taken([](StampRequest& r) { r.radius_m = 1e-12; }));
-    const StampRecord record = taken([](StampRequest& r) { r.centre = {-16.5, 0x1p-24}, r.radius_m = 1, r.mirror = true; });
+    const StampRecord record = taken([](StampRequest& r) {
+        r.centre = {-16.5, 0x1p-24}, r.radius_m = 1, r.mirror = true;
+    });
     EXPECT_EQ(record.centre_x, -(std::int64_t{33} << 23));
     EXPECT_EQ(record.centre_z, 1);
     EXPECT_EQ(record.radius, 3072u);
@@ -115,15 +125,20 @@ TEST(Issue, MapsThatAreNotThereAreRefused) {
 
 TEST(GroundCreate, RefusesSettingsByName) {
     const auto message = [](const GroundSettings& settings, double low = 0, double high = 10) {
-        auto source = RasterSource::create(2, 2, {static_cast<float>(low), static_cast<float>(high), 0.0f, 0.0f});
+        auto source =
+            RasterSource::create(2, 2, {static_cast<float>(low), static_cast<float>(high), 0.0f, 0.0f}, "test");
         EXPECT_TRUE(source.ok());
-        const Result<std::unique_ptr<Ground>> made = Ground::create(std::make_shared<RasterSource>(*std::move(source)), settings);
+        const Result<std::unique_ptr<Ground>> made = Ground::create(*std::move(source), settings);
         return made.ok() ? std::string("made") : made.error().message.substr(0, made.error().message.find(':'));
     };
     EXPECT_EQ(message({}), "made");
-    for (const double v : {kNan, kInf, 1.1e9}) EXPECT_EQ(message({.origin = {v, 0}}), "origin"), EXPECT_EQ(message({.origin = {0, -v}}), "origin");
+    for (const double v : {kNan, kInf, 1.1e9}) {
+        EXPECT_EQ(message({.origin = {v, 0}}), "origin");
+        EXPECT_EQ(message({.origin = {0, -v}}), "origin");
+    }
     for (const double v : {kNan, kInf, 0.0, -1.0, 1e-4, 1e6}) EXPECT_EQ(message({.spacing_m = v}), "spacing");
-    for (const double v : {kNan, kInf, 0.0, -1.0, 0.3, 0x1p-21, 2048.0}) EXPECT_EQ(message({.quantum_m = v}), "quantum");
+    for (const double v : {kNan, kInf, 0.0, -1.0, 0.3, 0x1p-21, 2048.0})
+        EXPECT_EQ(message({.quantum_m = v}), "quantum");
     for (const int v : {0, -1, 65}) EXPECT_EQ(message({.texels_per_post = v}), "texels_per_post");
     for (const int v : {0, -64, 63, 100, 8256}) EXPECT_EQ(message({.tile_size = v}), "tile_size");
     EXPECT_EQ(message({.quantum_m = 0x1p-14}, 0, 4.1), "quantum");  // 4 m of range

@@ -19,7 +19,8 @@ std::vector<StampRequest> along(const PathRequest& path) {
 
 TEST(Path, StampsAreSpacedByDistanceRoundCorners) {
     // 3 m east, then 4 m south, a repeated point between.
-    const std::vector<StampRequest> stamps = along({.points = {{10, 20}, {13, 20}, {13, 20}, {13, 24}}, .spacing_m = 0.75});
+    const std::vector<StampRequest> stamps =
+        along({.points = {{10, 20}, {13, 20}, {13, 20}, {13, 24}}, .spacing_m = 0.75});
     ASSERT_EQ(stamps.size(), 10u);  // 0, 0.75, .. 6.75 of 7 m
     for (std::size_t i = 0; i < stamps.size(); ++i) {
         const double s = 0.75 * static_cast<double>(i);
@@ -30,7 +31,8 @@ TEST(Path, StampsAreSpacedByDistanceRoundCorners) {
 
 TEST(Path, SidesAlternateLeftFirstAndEverySecondIsMirrored) {
     for (const bool mirror : {false, true}) {
-        const std::vector<StampRequest> stamps = along({.stamp = {.mirror = mirror}, .points = {{0, 0}, {10, 0}}, .spacing_m = 2, .alternate_m = 0.15});
+        const std::vector<StampRequest> stamps =
+            along({.stamp = {.mirror = mirror}, .points = {{0, 0}, {10, 0}}, .spacing_m = 2, .alternate_m = 0.15});
         ASSERT_EQ(stamps.size(), 6u);
         for (std::size_t i = 0; i < stamps.size(); ++i) {
             // Walking along +x with +y up and +z to the right hand: left is -z.
@@ -39,7 +41,8 @@ TEST(Path, SidesAlternateLeftFirstAndEverySecondIsMirrored) {
             EXPECT_EQ(stamps[i].mirror, i % 2 == 0 ? mirror : !mirror);
         }
         // Left is left in every direction: to the left hand of (3, 4) / 5 lies (4, -3) / 5.
-        const StampRequest first = along({.stamp = {.mirror = mirror}, .points = {{0, 0}, {3, 4}}, .spacing_m = 2, .alternate_m = 0.5})[0];
+        const StampRequest first =
+            along({.stamp = {.mirror = mirror}, .points = {{0, 0}, {3, 4}}, .spacing_m = 2, .alternate_m = 0.5})[0];
         EXPECT_NEAR(first.centre.x, 0.4, 1e-12);
         EXPECT_NEAR(first.centre.z, -0.3, 1e-12);
     }
@@ -53,7 +56,9 @@ TEST(Path, TheImagesXAxisPointsAlongThePath) {
             auto ground = test::flat_ground(33, {.detail = false});
             const ShapeId arrow = *ground->shapes().bake("arrow", 64, [](double x, double) { return x > 0 ? x : 0.0; });
             const std::vector<StampRequest> stamps =
-                along({.stamp = {.shape = arrow, .radius_m = 6, .amplitude_m = 1, .rotation_rad = turned}, .points = {{16, 16}, {16 + direction.x, 16 + direction.z}}, .spacing_m = 5});
+                along({.stamp = {.shape = arrow, .radius_m = 6, .amplitude_m = 1, .rotation_rad = turned},
+                       .points = {{16, 16}, {16 + direction.x, 16 + direction.z}},
+                       .spacing_m = 5});
             ASSERT_EQ(stamps.size(), 1u);
             test::stamp(*ground, stamps[0]);
             double mass = 0, x_sum = 0, z_sum = 0;
@@ -70,7 +75,8 @@ TEST(Path, TheImagesXAxisPointsAlongThePath) {
 }
 
 TEST(Path, KeysCountUpIfGiven) {
-    const std::vector<StampRequest> keyed = along({.stamp = {.key = 0xfffffffeu}, .points = {{0, 0}, {3, 0}}, .spacing_m = 1});
+    const std::vector<StampRequest> keyed =
+        along({.stamp = {.key = 0xfffffffeu}, .points = {{0, 0}, {3, 0}}, .spacing_m = 1});
     ASSERT_EQ(keyed.size(), 4u);
     EXPECT_EQ(keyed[0].key, 0xfffffffeu);
     EXPECT_EQ(keyed[3].key, 1u);
@@ -91,9 +97,14 @@ TEST(Path, RefusesWhatItCannotWalk) {
         return result.ok() ? std::string("walked") : result.error().message.substr(0, result.error().message.find(':'));
     };
     EXPECT_EQ(field({}), "points");
-    for (const double v : {inf, nan}) EXPECT_EQ(field({.points = {{0, 0}, {v, 0}}}), "points"), EXPECT_EQ(field({.points = {{0, v}}}), "points");
-    for (const double v : {inf, nan, 0.0, -1.0}) EXPECT_EQ(field({.points = {{0, 0}, {1, 0}}, .spacing_m = v}), "spacing");
-    for (const double v : {inf, nan, -0.1}) EXPECT_EQ(field({.points = {{0, 0}, {1, 0}}, .alternate_m = v}), "alternate");
+    for (const double v : {inf, nan}) {
+        EXPECT_EQ(field({.points = {{0, 0}, {v, 0}}}), "points");
+        EXPECT_EQ(field({.points = {{0, v}}}), "points");
+    }
+    for (const double v : {inf, nan, 0.0, -1.0})
+        EXPECT_EQ(field({.points = {{0, 0}, {1, 0}}, .spacing_m = v}), "spacing");
+    for (const double v : {inf, nan, -0.1})
+        EXPECT_EQ(field({.points = {{0, 0}, {1, 0}}, .alternate_m = v}), "alternate");
     EXPECT_EQ(field({.points = {{0, 0}, {1000, 0}}, .spacing_m = 0.001}), "spacing");  // a million and one
     EXPECT_EQ(field({.points = {{0, 0}, {1e200, 0}}, .spacing_m = 1e-200}), "spacing");
     EXPECT_EQ(along({.points = {{0, 0}, {999, 0}}, .spacing_m = 1}).size(), 1000u);

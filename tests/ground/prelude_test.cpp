@@ -1,5 +1,5 @@
-// Both branches of shaders/shared/prelude.glsl against 64-bit integers: the C++ one, and the GLSL one compiled here with
-// a square root that errs as GLSL's may.
+// Both branches of shaders/shared/prelude.glsl against 64-bit integers: the C++ one, and the GLSL one compiled here
+// with a square root that errs as GLSL's may.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,7 +15,8 @@ using std::abs;
 int g_sqrt_error_ulps = 0;
 float sqrt(float value) {
     float root = std::sqrt(value);
-    for (int i = 0; i < std::abs(g_sqrt_error_ulps); ++i) root = std::nextafter(root, g_sqrt_error_ulps > 0 ? 1e30f : 0.0f);
+    for (int i = 0; i < std::abs(g_sqrt_error_ulps); ++i)
+        root = std::nextafter(root, g_sqrt_error_ulps > 0 ? 1e30f : 0.0f);
     return root;
 }
 
@@ -40,7 +41,8 @@ std::uint64_t integer_root(std::uint64_t n) {
 }
 
 void check_root(int x, int z) {
-    const std::uint64_t n = static_cast<std::uint64_t>(std::int64_t{x} * x) + static_cast<std::uint64_t>(std::int64_t{z} * z);
+    const std::uint64_t n =
+        static_cast<std::uint64_t>(std::int64_t{x} * x) + static_cast<std::uint64_t>(std::int64_t{z} * z);
     const std::uint64_t expected = integer_root(n);
     ASSERT_EQ(cpp::root_of_squares(x, z), expected) << x << ", " << z;
     ASSERT_EQ(glsl::root_of_squares(x, z), expected) << x << ", " << z << " sqrt error " << g_sqrt_error_ulps << " ulp";
@@ -53,7 +55,8 @@ TEST(Prelude, MulHighIsTheUpperHalfOfTheProduct) {
         ASSERT_EQ(cpp::mul_high(a, b), expected) << a << " * " << b;
         ASSERT_EQ(glsl::mul_high(a, b), expected) << a << " * " << b;
     };
-    const uint edges[] = {0u, 1u, 2u, 65535u, 65536u, 65537u, 0x7fffffffu, 0x80000000u, 0x80000001u, 0xfffeffffu, 0xffff0000u, 0xffffffffu};
+    const uint edges[] = {0u,          1u,          2u,          65535u,      65536u,      65537u,
+                          0x7fffffffu, 0x80000000u, 0x80000001u, 0xfffeffffu, 0xffff0000u, 0xffffffffu};
     for (const uint a : edges)
         for (const uint b : edges) check(a, b);
     for (int i = 0; i < 1000000; ++i) check(static_cast<uint>(random()), static_cast<uint>(random()));
@@ -69,7 +72,9 @@ TEST(Prelude, RootOfSquaresIsExactWhateverTheSquareRootErrs) {
             for (int z = -40; z <= 40; ++z) check_root(x, z);
         for (int i = 0; i < 100000; ++i) {
             const int bits = 1 + static_cast<int>(random() % 24);
-            const auto draw = [&] { return std::min(static_cast<int>(random() >> (32 - bits)), kLargest) * (random() % 2 == 0 ? 1 : -1); };
+            const auto draw = [&] {
+                return std::min(static_cast<int>(random() >> (32 - bits)), kLargest) * (random() % 2 == 0 ? 1 : -1);
+            };
             check_root(draw(), draw());
         }
         // On and just beside perfect squares: Pythagorean (3k, 4k), and one unit more or less in a leg.
@@ -87,10 +92,12 @@ TEST(Prelude, RootOfSquaresInCppHoldsBelowTwoToTheTwentyFour) {
     constexpr int kLargest = (1 << 24) - 1;
     for (int i = 0; i < 300000; ++i) {
         const int x = static_cast<int>(random() >> 8), z = static_cast<int>(random() >> 8);
-        ASSERT_EQ(cpp::root_of_squares(x, -z), integer_root(static_cast<std::uint64_t>(std::int64_t{x} * x + std::int64_t{z} * z)));
+        ASSERT_EQ(cpp::root_of_squares(x, -z),
+                  integer_root(static_cast<std::uint64_t>(std::int64_t{x} * x + std::int64_t{z} * z)));
     }
     for (const int x : {kLargest, kLargest - 1, 1, 0})
-        ASSERT_EQ(cpp::root_of_squares(-kLargest, x), integer_root(static_cast<std::uint64_t>(std::int64_t{kLargest} * kLargest + std::int64_t{x} * x)));
+        ASSERT_EQ(cpp::root_of_squares(-kLargest, x),
+                  integer_root(static_cast<std::uint64_t>(std::int64_t{kLargest} * kLargest + std::int64_t{x} * x)));
 }
 
 }  // namespace

@@ -16,12 +16,18 @@ constexpr long double kPi = std::numbers::pi_v<long double>;
 
 long double formula(BuiltinProfile profile, long double t) {
     switch (profile) {
-        case BuiltinProfile::Gaussian: return (std::exp(-6 * t * t) - std::exp(-6.0L)) / (1 - std::exp(-6.0L));
-        case BuiltinProfile::Cone: return 1 - t;
-        case BuiltinProfile::Paraboloid: return 1 - t * t;
-        case BuiltinProfile::Cosine: return (1 + std::cos(kPi * t)) / 2;
-        case BuiltinProfile::Crater: return (1 - t * t) * (1 - t * t) * (1 - 4 * t * t);
-        case BuiltinProfile::Disc: return 1;
+        case BuiltinProfile::Gaussian:
+            return (std::exp(-6 * t * t) - std::exp(-6.0L)) / (1 - std::exp(-6.0L));
+        case BuiltinProfile::Cone:
+            return 1 - t;
+        case BuiltinProfile::Paraboloid:
+            return 1 - t * t;
+        case BuiltinProfile::Cosine:
+            return (1 + std::cos(kPi * t)) / 2;
+        case BuiltinProfile::Crater:
+            return (1 - t * t) * (1 - t * t) * (1 - 4 * t * t);
+        case BuiltinProfile::Disc:
+            return 1;
     }
     return NAN;
 }
@@ -33,7 +39,8 @@ TEST(ProfileTables, AreTheFormulaeRoundedHalfToEven) {
         ASSERT_EQ(table.size(), 1025u);
         for (int i = 0; i <= 1024; ++i) {
             const long double exact = 65536 * formula(profile, i / 1024.0L);
-            ASSERT_EQ(table[static_cast<std::size_t>(i)], static_cast<std::int32_t>(std::nearbyint(exact))) << "profile " << p << " entry " << i;
+            ASSERT_EQ(table[static_cast<std::size_t>(i)], static_cast<std::int32_t>(std::nearbyint(exact)))
+                << "profile " << p << " entry " << i;
         }
         EXPECT_EQ(table[0], 65536);
         EXPECT_EQ(table[1024], profile == BuiltinProfile::Disc ? 65536 : 0);
@@ -59,7 +66,8 @@ TEST(Turn, SineAndCosineAreWithinTwoToTheMinus28) {
         const auto turns = static_cast<std::uint32_t>(random());
         const long double angle = 2 * kPi * turns / 4294967296.0L;
         const SineCosine got = sine_cosine(turns);
-        worst = std::max({worst, std::abs(got.sine / 1073741824.0L - std::sin(angle)), std::abs(got.cosine / 1073741824.0L - std::cos(angle))});
+        worst = std::max({worst, std::abs(got.sine / 1073741824.0L - std::sin(angle)),
+                          std::abs(got.cosine / 1073741824.0L - std::cos(angle))});
     }
     EXPECT_LT(worst, 0x1p-28L);
 }
@@ -89,7 +97,7 @@ TEST(Turn, AnglesBecomeTurns) {
     EXPECT_EQ(turns_of(2 * kHalfPi), 1u << 31);
     EXPECT_EQ(turns_of(-kHalfPi), 3u << 30);
     EXPECT_EQ(turns_of(4 * kHalfPi), 0u);
-    EXPECT_EQ(turns_of(1e-7), 68u);                  // 1e-7 / 2 pi * 2^32 = 68.36
+    EXPECT_EQ(turns_of(1e-7), 68u);  // 1e-7 / 2 pi * 2^32 = 68.36
     EXPECT_EQ(turns_of(-1e-7), 0u - 68u);
     EXPECT_EQ(turns_of(-1e-20), 0u);
     EXPECT_EQ(turns_of(1e-300), 0u);
@@ -98,7 +106,8 @@ TEST(Turn, AnglesBecomeTurns) {
         const long double expected = (turns - std::floor(turns)) * 4294967296.0L;
         // pi as a double and the division err by 2^-53 each, relative to all the turns.
         const double tolerance = 0.5 + std::abs(angle) * 0x1p-52 * 4294967296.0;
-        const auto difference = static_cast<std::int32_t>(turns_of(angle) - static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::nearbyint(expected))));
+        const auto difference = static_cast<std::int32_t>(
+            turns_of(angle) - static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::nearbyint(expected))));
         EXPECT_LE(std::abs(difference), tolerance) << angle;
     }
 }

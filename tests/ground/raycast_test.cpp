@@ -18,10 +18,15 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 std::unique_ptr<Ground> rough_ground(WorldPos origin, double spacing_m) {
     auto ground = test::flat_ground(kPosts, {.origin = origin, .spacing_m = spacing_m}, 0);
     std::mt19937 random(26);
-    for (std::uint32_t& code : ground->mutable_coarse().codes()) code = 0x78000000u + (static_cast<std::uint32_t>(random()) >> 4);
+    for (std::uint32_t& code : ground->mutable_coarse().codes())
+        code = 0x78000000u + (static_cast<std::uint32_t>(random()) >> 4);
     for (int i = 0; i < 20; ++i)
-        test::stamp(*ground, {.shape = {static_cast<std::uint32_t>(random() % 6)}, .centre = {origin.x + spacing_m * 0.01 * (random() % 800), origin.z + spacing_m * 0.01 * (random() % 800)},
-                              .radius_m = spacing_m * 1.5, .amplitude_m = 1, .map = MapChoice::Detail});
+        test::stamp(*ground, {.shape = {static_cast<std::uint32_t>(random() % 6)},
+                              .centre = {origin.x + spacing_m * 0.01 * (random() % 800),
+                                         origin.z + spacing_m * 0.01 * (random() % 800)},
+                              .radius_m = spacing_m * 1.5,
+                              .amplitude_m = 1,
+                              .map = MapChoice::Detail});
     return ground;
 }
 
@@ -47,9 +52,12 @@ std::vector<Triangle> triangles_of(const Ground& ground) {
 }
 
 /// Smallest distance to a triangle (Moeller and Trumbore 1997) beyond `after`; edges belong to both sides.
-long double nearest(const std::vector<Triangle>& triangles, const Vec3d& from, const Vec3d& direction, long double edge) {
+long double nearest(const std::vector<Triangle>& triangles, const Vec3d& from, const Vec3d& direction,
+                    long double edge) {
     long double best = kInf;
-    const long double length = std::sqrt(static_cast<long double>(direction.x) * direction.x + static_cast<long double>(direction.y) * direction.y + static_cast<long double>(direction.z) * direction.z);
+    const long double length = std::sqrt(static_cast<long double>(direction.x) * direction.x +
+                                         static_cast<long double>(direction.y) * direction.y +
+                                         static_cast<long double>(direction.z) * direction.z);
     const long double d[3] = {direction.x / length, direction.y / length, direction.z / length};
     const auto cross = [](const long double* a, const long double* b, long double* out) {
         out[0] = a[1] * b[2] - a[2] * b[1], out[1] = a[2] * b[0] - a[0] * b[2], out[2] = a[0] * b[1] - a[1] * b[0];
@@ -71,7 +79,8 @@ long double nearest(const std::vector<Triangle>& triangles, const Vec3d& from, c
 }
 
 TEST(Raycast, FindsTheFirstTriangle) {
-    for (const auto& [origin, spacing] : {std::pair{WorldPos{0, 0}, 1.0}, {WorldPos{-500, 1000}, 0.1}, {WorldPos{1e6, 1e6}, 2.0}}) {
+    for (const auto& [origin, spacing] :
+         {std::pair{WorldPos{0, 0}, 1.0}, {WorldPos{-500, 1000}, 0.1}, {WorldPos{1e6, 1e6}, 2.0}}) {
         const auto ground = rough_ground(origin, spacing);
         const std::vector<Triangle> triangles = triangles_of(*ground);
         std::mt19937_64 random(27);
@@ -87,14 +96,17 @@ TEST(Raycast, FindsTheFirstTriangle) {
             if (i % 10 == 2) direction.z = direction.x;  // along the diagonals
             if (i % 10 == 3) direction.x = direction.z = 0;
             const std::optional<double> got = raycast(*ground, from, direction, 1000);
-            const long double strict = nearest(triangles, from, direction, -1e-9L), loose = nearest(triangles, from, direction, 1e-9L);
-            if (std::abs(strict - loose) > 1e-6L || (std::isinf(strict) != std::isinf(loose))) continue;  // grazes an edge
+            const long double strict = nearest(triangles, from, direction, -1e-9L),
+                              loose = nearest(triangles, from, direction, 1e-9L);
+            if (std::abs(strict - loose) > 1e-6L || (std::isinf(strict) != std::isinf(loose)))
+                continue;  // grazes an edge
             ASSERT_EQ(got.has_value(), !std::isinf(strict)) << "ray " << i;
             if (got) {
                 ++hits;
                 // Positions are rounded at the size of the coordinates; steep triangles and flat rays magnify that.
                 ASSERT_NEAR(*got, static_cast<double>(strict), scale * 1e-11) << "ray " << i;
-                const std::optional<double> longer = raycast(*ground, from, {direction.x * 7, direction.y * 7, direction.z * 7}, 1000);
+                const std::optional<double> longer =
+                    raycast(*ground, from, {direction.x * 7, direction.y * 7, direction.z * 7}, 1000);
                 ASSERT_TRUE(longer);
                 ASSERT_NEAR(*longer, *got, scale * 1e-11);  // a distance, whatever the direction's length
                 ASSERT_FALSE(raycast(*ground, from, direction, *got * 0.999 - 1e-6)) << "ray " << i;
@@ -129,7 +141,7 @@ TEST(Raycast, VerticalRays) {
 
 TEST(Raycast, LeavingTheMapIsAMissAndEnteringItCounts) {
     const auto ground = test::flat_ground(9, {}, 10);
-    EXPECT_FALSE(raycast(*ground, {4, 11, 4}, {1, -0.1, 0}, 1e6));   // would meet the plane at x = 14
+    EXPECT_FALSE(raycast(*ground, {4, 11, 4}, {1, -0.1, 0}, 1e6));  // would meet the plane at x = 14
     EXPECT_NEAR(raycast(*ground, {4, 11, 4}, {1, -0.5, 0}, 1e6).value_or(-1), std::sqrt(5.0), 1e-9);
     EXPECT_NEAR(raycast(*ground, {-4, 14, 4}, {1, -0.5, 0}, 1e6).value_or(-1), 8 * std::sqrt(1.25), 1e-9);
     EXPECT_FALSE(raycast(*ground, {-4, 14, 4}, {-1, -0.5, 0}, 1e6));

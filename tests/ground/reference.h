@@ -48,11 +48,16 @@ inline std::uint32_t low_bias(std::uint64_t h) {
 class Stamp {
 public:
     Stamp(const StampRecord& record, const MapGeometry& map, const ShapeLibrary& shapes)
-        : record_(record), map_(map), shape_(shapes.shape({record.shape})), radius_(std::max<Int64>(record.radius, 1)),
-          amplitude_(record.amplitude), bits16_(map.precision == HeightPrecision::bits16) {
+        : record_(record),
+          map_(map),
+          shape_(shapes.shape({record.shape})),
+          radius_(std::max<Int64>(record.radius, 1)),
+          amplitude_(record.amplitude),
+          bits16_(map.precision == HeightPrecision::bits16) {
         const auto least = static_cast<Int64>(std::floor(shape_.least_radius_texels * 1024));
         if (radius_ < least) {
-            if (record.rule == StampRule::Add) amplitude_ = nearest_away(Int128{amplitude_} * radius_ * radius_, Int128{least} * least);
+            if (record.rule == StampRule::Add)
+                amplitude_ = nearest_away(Int128{amplitude_} * radius_ * radius_, Int128{least} * least);
             radius_ = least;
         }
         centre_x_ = sub_texels(record.centre_x, map.grid.origin.x);
@@ -85,7 +90,8 @@ public:
         const Int128 reciprocal = ((Int128{1} << 63) - 1) / (radius_ * scale);
         const auto position = static_cast<Int64>(Int128{distance} * scale * reciprocal >> 32);
         const Int64 entry = position / (1 << 21), fraction = position % (1 << 21) / 128;
-        return between(shape_.weights[static_cast<std::size_t>(entry)], shape_.weights[static_cast<std::size_t>(entry + 1)], fraction);
+        return between(shape_.weights[static_cast<std::size_t>(entry)],
+                       shape_.weights[static_cast<std::size_t>(entry + 1)], fraction);
     }
 
     /// What `add` changes, without the residue, in codes, were there no range.
@@ -97,7 +103,8 @@ public:
 
     /// Applies the stamp to a dense map, one texel after the other; returns how many texels saturated.
     Int64 apply(std::vector<std::uint32_t>& codes, Int64 width, Int64 depth) const {
-        const std::vector<std::uint32_t> before = record_.rule == StampRule::Smooth ? codes : std::vector<std::uint32_t>{};
+        const std::vector<std::uint32_t> before =
+            record_.rule == StampRule::Smooth ? codes : std::vector<std::uint32_t>{};
         const Int64 reach = (shape_.is_image ? radius_ * 3 / 2 : radius_) / 1024 + 3;
         Int64 saturated = 0;
         for (Int64 z = std::max<Int64>(0, texel_z_ - reach); z <= std::min(depth - 1, texel_z_ + reach); ++z)
@@ -112,8 +119,9 @@ public:
 
 private:
     [[nodiscard]] Int64 sub_texels(Int64 fixed, double origin) {
-        const long double exact =
-            (static_cast<long double>(fixed) / 16777216.0L - static_cast<long double>(origin)) / map_.grid.spacing_m * 1024 + 0.5L;
+        const long double exact = (static_cast<long double>(fixed) / 16777216.0L - static_cast<long double>(origin)) /
+                                      map_.grid.spacing_m * 1024 +
+                                  0.5L;
         const long double whole_part = std::floor(exact), part = exact - whole_part;
         // On spacings that are powers of two every operation is exact, so a tie is decided.
         int exponent = 0;
@@ -136,8 +144,10 @@ private:
         v_per_x_ = step(shape_.height, turn.sine);
         v_per_z_ = step(shape_.height, turn.cosine);
         const Int64 offset_x = centre_x_ - texel_x_ * 1024, offset_z = centre_z_ - texel_z_ * 1024;
-        u_centre_ = Int64{shape_.width - 1} * (Int64{1} << bits_) / 2 - nearest_away(offset_x * u_per_x_ + offset_z * u_per_z_, 1024);
-        v_centre_ = Int64{shape_.height - 1} * (Int64{1} << bits_) / 2 - nearest_away(offset_x * v_per_x_ + offset_z * v_per_z_, 1024);
+        u_centre_ = Int64{shape_.width - 1} * (Int64{1} << bits_) / 2 -
+                    nearest_away(offset_x * u_per_x_ + offset_z * u_per_z_, 1024);
+        v_centre_ = Int64{shape_.height - 1} * (Int64{1} << bits_) / 2 -
+                    nearest_away(offset_x * v_per_x_ + offset_z * v_per_z_, 1024);
     }
 
     [[nodiscard]] Int64 image_weight(Int64 x, Int64 z) const {
@@ -164,13 +174,14 @@ private:
     /// A magnitude as the map keeps it: as it is, or rounded up with the probability of what is cut off.
     [[nodiscard]] Int64 whole(Int64 magnitude, Int64 x, Int64 z) const {
         if (!bits16_) return magnitude;
-        const std::uint32_t dither = low_bias(low_bias(record_.key ^ (static_cast<std::uint64_t>(x) * 2654435761u & 0xffffffffu)) ^
-                                              (static_cast<std::uint64_t>(z) * 2246822519u & 0xffffffffu));
+        const std::uint32_t dither =
+            low_bias(low_bias(record_.key ^ (static_cast<std::uint64_t>(x) * 2654435761u & 0xffffffffu)) ^
+                     (static_cast<std::uint64_t>(z) * 2246822519u & 0xffffffffu));
         return std::min<Int64>((magnitude + dither % 65536) / 65536, 65535) * 65536;
     }
 
-    [[nodiscard]] Int64 result(Int64 code, Int64 x, Int64 z, const std::vector<std::uint32_t>& before, Int64 width, Int64 depth,
-                               bool& stopped) const {
+    [[nodiscard]] Int64 result(Int64 code, Int64 x, Int64 z, const std::vector<std::uint32_t>& before, Int64 width,
+                               Int64 depth, bool& stopped) const {
         const Int64 top = bits16_ ? 0xffff0000 : 0xffffffff, w = weight(x, z);
         const auto limited = [&](Int64 value, Int64 most) {
             stopped = stopped || value < 0 || value > most;
@@ -187,14 +198,19 @@ private:
             return bits16_ ? std::min<Int64>((value + 32768) / 65536, 65535) * 65536 : value;
         };
         const auto moved = [&](Int64 target, Int64 by) {
-            return target < code ? code - whole(scaled(code - target, by), x, z) : code + whole(scaled(target - code, by), x, z);
+            return target < code ? code - whole(scaled(code - target, by), x, z)
+                                 : code + whole(scaled(target - code, by), x, z);
         };
         const Int64 level = record_.level;
         switch (record_.rule) {
-            case StampRule::Min: return std::min(code, kept(limited(level + sign * scaled(amplitude_, w), 0xffffffff)));
-            case StampRule::Max: return std::max(code, kept(limited(level + sign * scaled(amplitude_, w), 0xffffffff)));
-            case StampRule::Set: return moved(kept(limited(level + sign * amplitude_, 0xffffffff)), w);
-            default: break;
+            case StampRule::Min:
+                return std::min(code, kept(limited(level + sign * scaled(amplitude_, w), 0xffffffff)));
+            case StampRule::Max:
+                return std::max(code, kept(limited(level + sign * scaled(amplitude_, w), 0xffffffff)));
+            case StampRule::Set:
+                return moved(kept(limited(level + sign * amplitude_, 0xffffffff)), w);
+            default:
+                break;
         }
         Int64 sum = 0;
         for (Int64 dz = -1; dz <= 1; ++dz)

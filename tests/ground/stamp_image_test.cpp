@@ -45,7 +45,12 @@ TEST(StampImage, BadSizesAndNamesAreRefused) {
         EXPECT_EQ(shapes.add_profile("bad", [&](double) { return value; }).error().message.rfind("weight:", 0), 0u);
     }
     for (const double least : {0.0, -1.0, 0.49, 8192.0, std::nan("")})
-        EXPECT_EQ(shapes.add_profile("bad", [](double) { return 0.0; }, least).error().message.rfind("least_radius_texels:", 0), 0u);
+        EXPECT_EQ(shapes
+                      .add_profile(
+                          "bad", [](double) { return 0.0; }, least)
+                      .error()
+                      .message.rfind("least_radius_texels:", 0),
+                  0u);
     EXPECT_EQ(shapes.size(), size);
     EXPECT_TRUE(shapes.add_image("good", 2, 2, four).ok());
     EXPECT_EQ(shapes.size(), size + 1);
@@ -60,7 +65,8 @@ TEST(StampImage, WhiteIsOneAndBlackIsNothing) {
     const HeightField raised = stamped(shapes, test::record_at(16, 16, 4, kAmplitude, white), 32);
     for (int z = 0; z < 32; ++z)
         for (int x = 0; x < 32; ++x)  // the square of side 2 x radius, half-open
-            ASSERT_EQ(raised.code({x, z}), x >= 12 && x < 20 && z >= 12 && z < 20 ? kMidCode + kAmplitude : kMidCode) << x << ", " << z;
+            ASSERT_EQ(raised.code({x, z}), x >= 12 && x < 20 && z >= 12 && z < 20 ? kMidCode + kAmplitude : kMidCode)
+                << x << ", " << z;
     EXPECT_EQ(test::volume(stamped(shapes, test::record_at(16, 16, 4, kAmplitude, black), 32)), 0);
 }
 
@@ -77,9 +83,11 @@ TEST(StampImage, IsBilinear) {
                 record.rotation = i == 0 ? 0 : static_cast<std::uint32_t>(random());
                 record.mirror = static_cast<std::uint8_t>(i & 1);
                 const HeightField field = stamped(shapes, record, 121);
-                const double angle = 2 * std::numbers::pi * record.rotation / 4294967296.0, c = std::cos(angle), s = std::sin(angle);
-                // The centre is held to 1/1 024 texel, the fraction to 14 bits, the steps to 2^-16 of a pixel a texel at worst:
-                // so many pixels, times the steepest change, one a pixel, on both axes; and three roundings of weights.
+                const double angle = 2 * std::numbers::pi * record.rotation / 4294967296.0, c = std::cos(angle),
+                             s = std::sin(angle);
+                // The centre is held to 1/1 024 texel, the fraction to 14 bits, the steps to 2^-16 of a pixel a texel
+                // at worst: so many pixels, times the steepest change, one a pixel, on both axes; and three roundings
+                // of weights.
                 const double pixels_a_texel = std::max(width, height) / (2 * radius);
                 const double pixels = 0.5 / 1024 * 1.5 * pixels_a_texel + 1.0 / 16384 + 60 * 0x1p-17;
                 const double tolerance = 2 * pixels + 3.0 / 65536;
@@ -93,19 +101,24 @@ TEST(StampImage, IsBilinear) {
                         if (record.mirror != 0) right = -right;
                         const double u = (right + 1) / 2 * width - 0.5, v = (down + 1) / 2 * height - 0.5;
                         const double margin = 4 * pixels;  // texels on the very edge may fall to either side
-                        if (std::abs(u + 0.5) < margin || std::abs(v + 0.5) < margin || std::abs(u - width + 0.5) < margin || std::abs(v - height + 0.5) < margin) continue;
+                        if (std::abs(u + 0.5) < margin || std::abs(v + 0.5) < margin ||
+                            std::abs(u - width + 0.5) < margin || std::abs(v - height + 0.5) < margin)
+                            continue;
                         double expected = 0;
                         if (std::abs(right) < 1 && std::abs(down) < 1) {
                             ++inside;
                             const auto pixel = [&](double column, double row) {
-                                const int cc = std::clamp(static_cast<int>(column), 0, width - 1), rr = std::clamp(static_cast<int>(row), 0, height - 1);
+                                const int cc = std::clamp(static_cast<int>(column), 0, width - 1),
+                                          rr = std::clamp(static_cast<int>(row), 0, height - 1);
                                 return texels[static_cast<std::size_t>(rr * width + cc)] / 65535.0;
                             };
                             const double u0 = std::floor(u), v0 = std::floor(v), a = u - u0, b = v - v0;
-                            expected = (pixel(u0, v0) * (1 - a) + pixel(u0 + 1, v0) * a) * (1 - b) + (pixel(u0, v0 + 1) * (1 - a) + pixel(u0 + 1, v0 + 1) * a) * b;
+                            expected = (pixel(u0, v0) * (1 - a) + pixel(u0 + 1, v0) * a) * (1 - b) +
+                                       (pixel(u0, v0 + 1) * (1 - a) + pixel(u0 + 1, v0 + 1) * a) * b;
                         }
                         const double got = (static_cast<double>(field.code({x, z})) - kMidCode) / kAmplitude;
-                        ASSERT_NEAR(got, expected, tolerance) << width << "x" << height << " radius " << radius << " turn " << i << " at " << x << ", " << z;
+                        ASSERT_NEAR(got, expected, tolerance) << width << "x" << height << " radius " << radius
+                                                              << " turn " << i << " at " << x << ", " << z;
                     }
                 EXPECT_GT(inside, 3 * radius * radius);
             }
@@ -129,7 +142,9 @@ TEST(StampImage, QuarterTurnsAreExactlyTransposedMaps) {
             const HeightField back = stamped(shapes, record, 101);
             for (int z = -kMiddle; z <= kMiddle; ++z)
                 for (int x = -kMiddle; x <= kMiddle; ++x) {
-                    const auto at = [&](const HeightField& field, int dx, int dz) { return field.code({kMiddle + dx, kMiddle + dz}); };
+                    const auto at = [&](const HeightField& field, int dx, int dz) {
+                        return field.code({kMiddle + dx, kMiddle + dz});
+                    };
                     ASSERT_EQ(at(quarter, x, z), at(plain, -z, x)) << x << ", " << z;
                     ASSERT_EQ(at(half, x, z), at(plain, -x, -z)) << x << ", " << z;
                     ASSERT_EQ(at(back, x, z), at(plain, z, -x)) << x << ", " << z;
@@ -173,18 +188,23 @@ TEST(StampImage, MirrorIsAnExactFlip) {
     record.mirror = 1;
     const HeightField mirrored = stamped(shapes, record, 101);
     for (int z = 0; z < 101; ++z)
-        for (int x = 0; x < 101; ++x)  // a fraction f becomes 1 - f in 14 bits, cut off: 2^-14 of two pixels' difference
-            ASSERT_NEAR(static_cast<double>(mirrored.code({x, z})), static_cast<double>(plain.code({100 - x, z})), 4 * kAmplitude / 16384.0) << x << ", " << z;
+        for (int x = 0; x < 101;
+             ++x)  // a fraction f becomes 1 - f in 14 bits, cut off: 2^-14 of two pixels' difference
+            ASSERT_NEAR(static_cast<double>(mirrored.code({x, z})), static_cast<double>(plain.code({100 - x, z})),
+                        4 * kAmplitude / 16384.0)
+                << x << ", " << z;
 }
 
 TEST(StampImage, WidensSmallImagesWithTheirVolume) {
     ShapeLibrary shapes;
-    const ShapeId bump = *shapes.bake("bump", 32, [](double x, double z) { return std::cos(x * 1.5707963) * std::cos(z * 1.5707963); });
+    const ShapeId bump =
+        *shapes.bake("bump", 32, [](double x, double z) { return std::cos(x * 1.5707963) * std::cos(z * 1.5707963); });
     std::mt19937 random(16);
     constexpr double kUnit = 16 / (std::numbers::pi * std::numbers::pi);  // (4 / pi)^2 over the square of side 2
     double sum = 0;
     for (int i = 0; i < 2000; ++i) {
-        StampRecord record = test::record_at(8 + 2e-10 * static_cast<double>(random()), 8 + 2e-10 * static_cast<double>(random()), 0.5, 1u << 27, bump);
+        StampRecord record = test::record_at(8 + 2e-10 * static_cast<double>(random()),
+                                             8 + 2e-10 * static_cast<double>(random()), 0.5, 1u << 27, bump);
         record.rotation = static_cast<std::uint32_t>(random());
         sum += static_cast<double>(test::volume(stamped(shapes, record, 16))) / (kUnit * 0.25 * (1u << 27));
     }

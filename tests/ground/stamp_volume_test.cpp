@@ -17,12 +17,18 @@ constexpr std::uint32_t kAmplitude = 1u << 27;
 /// Volume of amplitude 1, radius 1: 2 pi int_0^1 w t dt in closed form (the crater's: of its positive part, t < 1/2).
 double unit_volume(BuiltinProfile profile) {
     switch (profile) {
-        case BuiltinProfile::Gaussian: return kPi * ((1 - std::exp(-6.0)) / 6 - std::exp(-6.0)) / (1 - std::exp(-6.0));
-        case BuiltinProfile::Cone: return kPi / 3;
-        case BuiltinProfile::Paraboloid: return kPi / 2;
-        case BuiltinProfile::Cosine: return kPi * (0.5 - 2 / (kPi * kPi));
-        case BuiltinProfile::Disc: return kPi;
-        case BuiltinProfile::Crater: break;
+        case BuiltinProfile::Gaussian:
+            return kPi * ((1 - std::exp(-6.0)) / 6 - std::exp(-6.0)) / (1 - std::exp(-6.0));
+        case BuiltinProfile::Cone:
+            return kPi / 3;
+        case BuiltinProfile::Paraboloid:
+            return kPi / 2;
+        case BuiltinProfile::Cosine:
+            return kPi * (0.5 - 2 / (kPi * kPi));
+        case BuiltinProfile::Disc:
+            return kPi;
+        case BuiltinProfile::Crater:
+            break;
     }
     // u = t^2: pi int_0^(1/4) (1 - u)^2 (1 - 4 u) du = pi (u - 3 u^2 + 3 u^3 - u^4) = pi 27/256.
     return kPi * 27 / 256;
@@ -41,9 +47,11 @@ Spread sampled_volume(const ShapeLibrary& shapes, ShapeId shape, double unit, do
     std::uniform_real_distribution<double> phase(0, 1);
     double sum = 0, squares = 0;
     for (int i = 0; i < phases; ++i) {
-        const StampRecord record = test::record_at(side / 2 + phase(random), side / 2 + phase(random), radius_texels, kAmplitude, shape);
+        const StampRecord record =
+            test::record_at(side / 2 + phase(random), side / 2 + phase(random), radius_texels, kAmplitude, shape);
         apply_stamp(prepare(record, map, shapes), field);
-        const double relative = static_cast<double>(test::volume(field)) / (unit * radius_texels * radius_texels * kAmplitude);
+        const double relative =
+            static_cast<double>(test::volume(field)) / (unit * radius_texels * radius_texels * kAmplitude);
         sum += relative, squares += relative * relative;
         for (std::uint32_t& code : field.codes()) code = kMidCode;
     }
@@ -59,7 +67,8 @@ TEST(StampVolume, OfRadiiBelowTheLeastRadiusIsKept) {
         for (const double radius : {0.05, 0.3, 0.77, 1.2}) {
             const Spread got = sampled_volume(shapes, test::builtin(profile), unit_volume(profile), radius, 5000);
             // A record holds its radius to half of 1/1 024 texel: that much of the volume, twice, comes on top.
-            EXPECT_NEAR(got.mean, 1.0, 0.002 + 2 * 0.5 / 1024 / radius) << "profile " << static_cast<int>(profile) << " radius " << radius;
+            EXPECT_NEAR(got.mean, 1.0, 0.002 + 2 * 0.5 / 1024 / radius)
+                << "profile " << static_cast<int>(profile) << " radius " << radius;
             EXPECT_LE(got.deviation, 0.02) << "profile " << static_cast<int>(profile) << " radius " << radius;
         }
         for (const double radius : {128.0 / 1024, 512.0 / 1024, 1000.0 / 1024}) {  // held exactly
@@ -70,29 +79,32 @@ TEST(StampVolume, OfRadiiBelowTheLeastRadiusIsKept) {
     }
 }
 
-// Where the least radii come from: they are the first, in steps of a quarter texel, at which the volume's standard deviation
-// over phases is at most 2 %; further out it does not come back above 2.2 % (the paraboloid's hump at 2.06 texels).
-// For the disc the sampled deviation is at most 2 % from 4.75 on, but falls unevenly; there the law of lattice points in
-// a circle, sqrt(0.6765 r) points of pi r^2 (Kendall 1948), decides: 2 % from 5.55 on, hence 6 whole texels.
+// Where the least radii come from: they are the first, in steps of a quarter texel, at which the volume's standard
+// deviation over phases is at most 2 %; further out it does not come back above 2.2 % (the paraboloid's hump at 2.06
+// texels). For the disc the sampled deviation is at most 2 % from 4.75 on, but falls unevenly; there the law of lattice
+// points in a circle, sqrt(0.6765 r) points of pi r^2 (Kendall 1948), decides: 2 % from 5.55 on, hence 6 whole texels.
 TEST(StampVolume, LeastRadiiAreWhereTwoPercentIsMet) {
     ShapeLibrary shapes;
     for (const BuiltinProfile profile : test::kAllProfiles) {
         const std::vector<std::int32_t> table = shapes.shape(test::builtin(profile)).weights;
         const double least = shapes.shape(test::builtin(profile)).least_radius_texels, unit = unit_volume(profile);
         // A copy of the profile that is not widened, to look below. It has no residue either.
-        const ShapeId free = *shapes.add_profile(shapes.shape(test::builtin(profile)).name + " unbound", [&](double t) {
-            return table[static_cast<std::size_t>(std::lround(t * 1024))] / 65536.0;
-        }, 0.5);
-        EXPECT_LE(sampled_volume(shapes, free, unit, least, 20000).deviation, 0.02) << "profile " << static_cast<int>(profile);
+        const ShapeId free = *shapes.add_profile(
+            shapes.shape(test::builtin(profile)).name + " unbound",
+            [&](double t) { return table[static_cast<std::size_t>(std::lround(t * 1024))] / 65536.0; }, 0.5);
+        EXPECT_LE(sampled_volume(shapes, free, unit, least, 20000).deviation, 0.02)
+            << "profile " << static_cast<int>(profile);
         for (double radius = least; radius < 12; radius *= 1.07)
-            EXPECT_LE(sampled_volume(shapes, free, unit, radius, 1000).deviation, 0.022) << "profile " << static_cast<int>(profile) << " radius " << radius;
+            EXPECT_LE(sampled_volume(shapes, free, unit, radius, 1000).deviation, 0.022)
+                << "profile " << static_cast<int>(profile) << " radius " << radius;
         if (profile == BuiltinProfile::Disc) {
             const auto law = [](double r) { return std::sqrt(0.676497 * r) / (kPi * r * r); };
             EXPECT_LE(law(least), 0.02);
             EXPECT_GT(law(least - 1), 0.02);
             EXPECT_GT(sampled_volume(shapes, free, unit, 4.5, 5000).deviation, 0.02);
         } else {
-            EXPECT_GT(sampled_volume(shapes, free, unit, least - 0.25, 20000).deviation, 0.02) << "profile " << static_cast<int>(profile);
+            EXPECT_GT(sampled_volume(shapes, free, unit, least - 0.25, 20000).deviation, 0.02)
+                << "profile " << static_cast<int>(profile);
         }
     }
 }
@@ -104,7 +116,10 @@ TEST(StampVolume, MicroStampsAddUp) {
         constexpr int kStamps = 10000;
         constexpr double kRadius = 2.0, kTexel = 1.0 / 3;
         for (int i = 0; i < kStamps; ++i)
-            test::stamp(*ground, {.shape = test::builtin(BuiltinProfile::Cosine), .centre = {16, 16}, .radius_m = kRadius, .amplitude_m = 3e-6,
+            test::stamp(*ground, {.shape = test::builtin(BuiltinProfile::Cosine),
+                                  .centre = {16, 16},
+                                  .radius_m = kRadius,
+                                  .amplitude_m = 3e-6,
                                   .map = MapChoice::Detail});
         double total = 0, variance = 0;
         for (const auto& [page, codes] : ground->detail().pages())
@@ -116,7 +131,8 @@ TEST(StampVolume, MicroStampsAddUp) {
             }
         const double expected = kStamps * 3e-6 * unit_volume(BuiltinProfile::Cosine) * kRadius * kRadius;
         // bits32: S7's 0.5 %. bits16: five standard deviations of the dither on top.
-        const double tolerance = 0.005 * expected + (precision == HeightPrecision::bits16 ? 5 * std::sqrt(variance) : 0.0);
+        const double tolerance =
+            0.005 * expected + (precision == HeightPrecision::bits16 ? 5 * std::sqrt(variance) : 0.0);
         EXPECT_NEAR(total, expected, tolerance);
         EXPECT_LT(tolerance, 0.1 * expected);
         if (precision == HeightPrecision::bits32) {
@@ -135,8 +151,9 @@ TEST(StampVolume, OfACraterIsExactlyZero) {
         bool any_residue = false;
         for (const double radius : {0.4, 2.9, 3.0, 3.7, 5.123, 8.0, 16.5, 31.9, 64.0, 100.3, 199.99, 256.0})
             for (int phase = 0; phase < (radius < 40 ? 60 : 4); ++phase) {
-                StampRecord record = test::record_at(299 + 2e-10 * static_cast<double>(random()), 300 + 2e-10 * static_cast<double>(random()), radius,
-                                                     1 + static_cast<std::uint32_t>(random() >> 5), test::builtin(BuiltinProfile::Crater));
+                StampRecord record = test::record_at(
+                    299 + 2e-10 * static_cast<double>(random()), 300 + 2e-10 * static_cast<double>(random()), radius,
+                    1 + static_cast<std::uint32_t>(random() >> 5), test::builtin(BuiltinProfile::Crater));
                 record.key = static_cast<std::uint32_t>(random());
                 record.negative = static_cast<std::uint8_t>(phase & 1);
                 const PreparedStamp stamp = prepare(record, map, shapes);
@@ -151,17 +168,19 @@ TEST(StampVolume, OfACraterIsExactlyZero) {
     }
 }
 
-// The residue puts no spike on the centre: six standard deviations of 2 % of the volume of the crater's positive part at
-// its least radius, and less above it, where the deviation falls.
+// The residue puts no spike on the centre: six standard deviations of 2 % of the volume of the crater's positive part
+// at its least radius, and less above it, where the deviation falls.
 TEST(StampVolume, TheCratersResidueIsSmall) {
     const ShapeLibrary shapes;
     std::mt19937 random(13);
     const MapGeometry map = test::map_of(64);
     for (const double radius : {3.0, 4.0, 6.5, 12.0, 30.0})
         for (int i = 0; i < 200; ++i) {
-            const StampRecord record = test::record_at(32 + 2e-10 * static_cast<double>(random()), 32 + 2e-10 * static_cast<double>(random()), radius,
-                                                       kAmplitude, test::builtin(BuiltinProfile::Crater));
-            const double relative = prepare(record, map, shapes).params.residue / (unit_volume(BuiltinProfile::Crater) * radius * radius * kAmplitude);
+            const StampRecord record =
+                test::record_at(32 + 2e-10 * static_cast<double>(random()), 32 + 2e-10 * static_cast<double>(random()),
+                                radius, kAmplitude, test::builtin(BuiltinProfile::Crater));
+            const double relative = prepare(record, map, shapes).params.residue /
+                                    (unit_volume(BuiltinProfile::Crater) * radius * radius * kAmplitude);
             EXPECT_LE(relative, 6 * 0.02) << radius;
             if (radius > 4) {
                 EXPECT_LE(relative, 0.02) << radius;

@@ -13,7 +13,8 @@
 namespace tilth::test {
 
 /// A flat world at 10 m; `size` posts a side.
-inline std::unique_ptr<Ground> flat_ground(std::int32_t size, const GroundSettings& settings = {}, double height_m = 10) {
+inline std::unique_ptr<Ground> flat_ground(std::int32_t size, const GroundSettings& settings = {},
+                                           double height_m = 10) {
     Result<std::unique_ptr<Ground>> made = Ground::create(std::make_shared<FlatSource>(size, height_m), settings);
     EXPECT_TRUE(made.ok()) << (made.ok() ? "" : made.error().message);
     return made.ok() ? *std::move(made) : nullptr;
@@ -28,19 +29,23 @@ inline StampRecord issued(Ground& ground, const StampRequest& request) {
 inline ApplyResult stamp(Ground& ground, const StampRequest& request) { return ground.apply(issued(ground, request)); }
 
 constexpr ShapeId builtin(BuiltinProfile profile) { return {static_cast<std::uint32_t>(profile)}; }
-inline constexpr BuiltinProfile kAllProfiles[] = {BuiltinProfile::Gaussian, BuiltinProfile::Cone,   BuiltinProfile::Paraboloid,
-                                                  BuiltinProfile::Cosine,   BuiltinProfile::Crater, BuiltinProfile::Disc};
+inline constexpr BuiltinProfile kAllProfiles[] = {BuiltinProfile::Gaussian,   BuiltinProfile::Cone,
+                                                  BuiltinProfile::Paraboloid, BuiltinProfile::Cosine,
+                                                  BuiltinProfile::Crater,     BuiltinProfile::Disc};
 inline constexpr HeightPrecision kBothPrecisions[] = {HeightPrecision::bits32, HeightPrecision::bits16};
 
 /// A detail-like map of `size` texels a side, origin 0, spacing a power of two.
-inline MapGeometry map_of(std::int32_t size, HeightPrecision precision = HeightPrecision::bits32, double spacing_m = 1.0) {
-    return {.kind = MapKind::Detail, .grid = {.spacing_m = spacing_m, .width = size, .depth = size},
-            .codec = HeightCodec::detail(), .precision = precision};
+inline MapGeometry map_of(std::int32_t size, HeightPrecision precision = HeightPrecision::bits32,
+                          double spacing_m = 1.0) {
+    return {.kind = MapKind::Detail,
+            .grid = {.spacing_m = spacing_m, .width = size, .depth = size},
+            .codec = HeightCodec::detail(),
+            .precision = precision};
 }
 
 /// A record at `x`, `z` texels of `map_of(..)` with spacing 1, without a world.
-inline StampRecord record_at(double x_texels, double z_texels, double radius_texels, std::uint32_t amplitude, ShapeId shape,
-                             StampRule rule = StampRule::Add) {
+inline StampRecord record_at(double x_texels, double z_texels, double radius_texels, std::uint32_t amplitude,
+                             ShapeId shape, StampRule rule = StampRule::Add) {
     StampRecord record{.map = MapKind::Detail, .rule = rule};
     record.centre_x = std::llround(x_texels * 16777216.0);
     record.centre_z = std::llround(z_texels * 16777216.0);
@@ -68,8 +73,10 @@ struct UserShapes {
                 texels.push_back(static_cast<std::uint16_t>((row * 7 + column) * 1913 + column * column * 97));
         texels[3] = 65535, texels[9] = 0;
         image = *shapes.add_image("asymmetric", 7, 5, texels);
-        baked = *shapes.bake("waves", 33, [](double x, double z) { return std::sin(4 * x + z) * std::cos(3 * z - 0.3); });
-        profile = *shapes.add_profile("ripple", [](double t) { return std::cos(14 * t) * (1 - t); }, 1.25);
+        baked =
+            *shapes.bake("waves", 33, [](double x, double z) { return std::sin(4 * x + z) * std::cos(3 * z - 0.3); });
+        profile = *shapes.add_profile(
+            "ripple", [](double t) { return std::cos(14 * t) * (1 - t); }, 1.25);
     }
 };
 

@@ -23,7 +23,8 @@ TEST(HeightCodec, EveryCodeComesBack) {
                                       (static_cast<long double>(code) - 2147483648.0L) * codec.quantum_m / 65536.0L;
             ASSERT_EQ(codec.height_m(code), static_cast<double>(exact));
         };
-        for (const std::uint32_t code : {0u, 1u, 65535u, 65536u, kMidCode - 1, kMidCode, kMidCode + 1, 0xffff'0000u, kTop - 1, kTop})
+        for (const std::uint32_t code :
+             {0u, 1u, 65535u, 65536u, kMidCode - 1, kMidCode, kMidCode + 1, 0xffff'0000u, kTop - 1, kTop})
             check(code);
         for (int i = 0; i < 100000; ++i) check(static_cast<std::uint32_t>(random()));
     }
@@ -35,7 +36,8 @@ TEST(HeightCodec, TakesTheNearestCode) {
     std::uniform_real_distribution<double> height(codec.min_m(), codec.max_m());
     for (int i = 0; i < 100000; ++i) {
         const double h = height(random);
-        EXPECT_LE(std::abs(codec.height_m(codec.code(h, HeightPrecision::bits32)) - h), codec.code_quantum_m() * 0.5000001);
+        EXPECT_LE(std::abs(codec.height_m(codec.code(h, HeightPrecision::bits32)) - h),
+                  codec.code_quantum_m() * 0.5000001);
         const std::uint32_t high = codec.code(h, HeightPrecision::bits16);
         EXPECT_EQ(high & 65535u, 0u);
         if (h < codec.max_m() - codec.quantum_m) {
@@ -78,10 +80,10 @@ TEST(HeightCodec, RangeChoosesTheSmallestSufficientPowerOfTwo) {
         ASSERT_GE(low, codec.min_m());
         ASSERT_LE(high, codec.max_m());
     };
-    EXPECT_EQ(HeightCodec::for_range(5, 5).quantum_m, 1.0 / 1024);       // 64 m, met exactly
-    EXPECT_EQ(HeightCodec::for_range(0, 240).quantum_m, 1.0 / 64);       // 1 024 m, met exactly
+    EXPECT_EQ(HeightCodec::for_range(5, 5).quantum_m, 1.0 / 1024);  // 64 m, met exactly
+    EXPECT_EQ(HeightCodec::for_range(0, 240).quantum_m, 1.0 / 64);  // 1 024 m, met exactly
     EXPECT_EQ(HeightCodec::for_range(0, 240.001).quantum_m, 1.0 / 32);
-    EXPECT_EQ(HeightCodec::for_range(0, 1024).quantum_m, 1.0 / 8);       // 4 160 m of 8 192 m
+    EXPECT_EQ(HeightCodec::for_range(0, 1024).quantum_m, 1.0 / 8);  // 4 160 m of 8 192 m
     EXPECT_EQ(HeightCodec::for_range(-11000, 8848).quantum_m, 2.0);
     for (int step = 0; step < 4000; ++step) check(-3.5 * step, 0.01 * step * step);
     check(0, 0), check(-1e6, 1e6), check(1e-300, 2e-300), check(-430, -430);

@@ -33,37 +33,101 @@ Slope slope_at(const HeightField& heights, Texel post, const SlopeSettings& sett
     const std::uint32_t* row = heights.row(post.z);
     const auto along_x = [&](std::int32_t step) { return row[std::clamp(post.x + step, 0, last_x)]; };
     const auto along_z = [&](std::int32_t step) { return heights.row(std::clamp(post.z + step, 0, last_z))[post.x]; };
-    return {shared::slope_along(fourth ? along_x(-2) : 0, along_x(-1), along_x(1), fourth ? along_x(2) : 0, post.x, last_x, fourth, per_m),
-            shared::slope_along(fourth ? along_z(-2) : 0, along_z(-1), along_z(1), fourth ? along_z(2) : 0, post.z, last_z, fourth, per_m)};
+    return {shared::slope_along(along_x(-2), along_x(-1), along_x(1), along_x(2), post.x, last_x, fourth, per_m),
+            shared::slope_along(along_z(-2), along_z(-1), along_z(1), along_z(2), post.z, last_z, fourth, per_m)};
 }
+
+namespace {
+
+/// Slopes of a run of posts of one row, x and z components apart.
+struct SlopeRow {
+    std::vector<float> x, z;
+};
+
+/// The run's posts whose whole stencil lies in the map: the loop that the compiler vectorises.
+template <bool Fourth>
+void inner_slopes(const HeightField& heights, Texel first, std::int32_t count, float per_m, float* __restrict out_x,
+                  float* __restrict out_z) {
+    constexpr std::int32_t kReach = Fourth ? 2 : 1;
+    const std::uint32_t* here = heights.row(first.z) + first.x;
+    const std::uint32_t* before = heights.row(first.z - 1) + first.x;
+    const std::uint32_t* after = heights.row(first.z + 1) + first.x;
+    const std::uint32_t* before2 = heights.row(first.z - kReach) + first.x;
+    const std::uint32_t* after2 = heights.row(first.z + kReach) + first.x;
+    for (std::int32_t i = 0; i < count; ++i) {
+        out_x[i] = shared::slope_along(here[i - kReach], here[i - 1], here[i + 1], here[i + kReach], kReach, 2 * kReach, Fourth, per_m);
+        out_z[i] = shared::slope_along(before2[i], before[i], after[i], after2[i], kReach, 2 * kReach, Fourth, per_m);
+    }
+}
+
+/// Slopes of row `z` of a mip level, texels [min_x, max_x).
+void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_x, std::int32_t max_x, std::int32_t level,
+                   const SlopeSettings& settings, SlopeRow& out) {
+    out.x.resize(static_cast<std::size_t>(max_x - min_x));
+    out.z.resize(out.x.size());
+    const std::int32_t reach = stencil_reach(settings.stencil);
+    std::int32_t inner_min = max_x, inner_max = max_x;
+    if (level == 0 && z >= reach && z < heights.depth() - reach) {
+        inner_min = std::min(std::max(min_x, reach), max_x);
+        inner_max = std::max(std::min(max_x, heights.width() - reach), inner_min);
+        const auto per_m = static_cast<float>(settings.code_quantum_m / settings.spacing_m);
+        const auto inner = settings.stencil == SlopeStencil::Fourth ? inner_slopes<true> : inner_slopes<false>;
+        inner(heights, {inner_min, z}, inner_max - inner_min, per_m, out.x.data() + (inner_min - min_x),
+              out.z.data() + (inner_min - min_x));
+    }
+    for (std::int32_t x = min_x; x < max_x; ++x) {
+        if (x == inner_min) x = inner_max;
+        if (x >= max_x) break;
+        const Slope slope = slope_at(heights, {x << level, z << level}, settings);
+        out.x[static_cast<std::size_t>(x - min_x)] = slope.x;
+        out.z[static_cast<std::size_t>(x - min_x)] = slope.z;
+    }
+}
+
+void store_companded(const SlopeRow& row, std::uint8_t* __restrict out) {
+    const float* x = row.x.data();
+    const float* z = row.z.data();
+    const std::size_t count = row.x.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const float size = std::sqrt(x[i] * x[i] + z[i] * z[i]);
+        out[2 * i] = static_cast<std::uint8_t>(shared::slope_byte(x[i], size));
+        out[2 * i + 1] = static_cast<std::uint8_t>(shared::slope_byte(z[i], size));
+    }
+}
+
+void store_halves(const SlopeRow& row, std::uint16_t* out) {
+    for (std::size_t i = 0; i < row.x.size(); ++i) {
+        out[2 * i] = half_of(row.x[i]);
+        out[2 * i + 1] = half_of(row.z[i]);
+    }
+}
+
+}  // namespace
 
 void upload_slopes(std::span<const TexelRect> changed, const HeightField& heights, const SlopeSettings& settings,
                    SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
     std::vector<TexelRect> stale;
     for (const TexelRect& rect : changed) stale.push_back(stale_slopes(rect, heights.rect(), settings.stencil));
-    std::vector<std::uint8_t> bytes;
-    std::vector<std::uint16_t> halves;
+    const bool half = slopes.format() == SlopeFormat::rg16f;
+    const std::size_t texel_bytes = half ? 2 * sizeof(std::uint16_t) : 2;
+    std::vector<std::uint16_t> stored;  // two bytes each, so that both formats are aligned
+    SlopeRow row;
     for (const TexelRect& posts : disjoint(stale)) {
         for (std::int32_t level = 0; level < SlopeMap::kLevels; ++level) {
             const TexelRect texels = mip_texels(posts, level);
             if (texels.empty()) continue;
-            bytes.clear();
-            halves.clear();
-            for (std::int32_t z = texels.min.z; z < texels.max.z; ++z)
-                for (std::int32_t x = texels.min.x; x < texels.max.x; ++x) {
-                    const Slope slope = slope_at(heights, {x << level, z << level}, settings);
-                    if (slopes.format() == SlopeFormat::rg16f) {
-                        halves.push_back(half_of(slope.x));
-                        halves.push_back(half_of(slope.z));
-                        continue;
-                    }
-                    const float size = std::sqrt(slope.x * slope.x + slope.z * slope.z);
-                    bytes.push_back(static_cast<std::uint8_t>(shared::slope_byte(slope.x, size)));
-                    bytes.push_back(static_cast<std::uint8_t>(shared::slope_byte(slope.z, size)));
-                }
-            const bool half = slopes.format() == SlopeFormat::rg16f;
-            slopes.texture().upload(level, gl_rect(texels), half ? static_cast<const void*>(halves.data()) : bytes.data());
-            const std::uint64_t moved = half ? halves.size() * sizeof(std::uint16_t) : bytes.size();
+            const auto width = static_cast<std::size_t>(texels.width());
+            const std::size_t moved = width * static_cast<std::size_t>(texels.depth()) * texel_bytes;
+            stored.resize(moved / sizeof(std::uint16_t));
+            for (std::int32_t z = texels.min.z; z < texels.max.z; ++z) {
+                slopes_of_row(heights, z, texels.min.x, texels.max.x, level, settings, row);
+                std::uint16_t* out = stored.data() + static_cast<std::size_t>(z - texels.min.z) * width * texel_bytes / sizeof(std::uint16_t);
+                if (half)
+                    store_halves(row, out);
+                else
+                    store_companded(row, reinterpret_cast<std::uint8_t*>(out));
+            }
+            slopes.texture().upload(level, gl_rect(texels), stored.data());
             gl::StageStats& stage = level == 0 ? derive : mips;
             stage.texels += static_cast<std::uint64_t>(texels.count());
             stage.bytes += moved;

@@ -30,13 +30,13 @@ struct View {
 /// Light, fog and tint. Colours are linear RGB.
 struct Shading {
     Vec3f to_light{0.5f, 0.62f, 0.6f};    ///< direction towards the light, normalised when used
-    float ambient = 0.25f, diffuse = 0.85f, specular = 0.12f;
+    float ambient = 0.40f, diffuse = 0.80f, specular = 0.05f;
     float specular_exponent = 24.0f;
     Vec3f fog_colour{0.6f, 0.6f, 0.6f};   ///< usually the clear colour
     double fog_density = 0.0;             ///< per metre; exp(-(density d)^2)
-    Vec3f low_colour{0.30f, 0.34f, 0.18f};    ///< flat ground at the bottom of `tint_range`
-    Vec3f high_colour{0.62f, 0.58f, 0.50f};   ///< flat ground at its top
-    Vec3f steep_colour{0.38f, 0.35f, 0.32f};  ///< ground steeper than about 45 degrees
+    Vec3f low_colour{0.27f, 0.36f, 0.16f};    ///< flat ground at the bottom of `tint_range`
+    Vec3f high_colour{0.70f, 0.66f, 0.58f};   ///< flat ground at its top
+    Vec3f steep_colour{0.46f, 0.41f, 0.36f};  ///< ground steeper than about 45 degrees
     double tint_low_m = 0, tint_high_m = 100; ///< heights between which low turns to high, metres
 };
 
