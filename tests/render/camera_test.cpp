@@ -22,8 +22,9 @@ Camera camera_of(const View& view, const GridSpec& grid = kGrid, const HeightCod
 }
 
 TEST(Camera, IsOrthonormalInEveryDirection) {
-    const Vec3d directions[] = {{0, -1, 0}, {0, 1, 0}, {0, 0, -1}, {0, 0, 1}, {1, 0, 0}, {1e-9, -1, 0}, {1e-200, -1e-199, 0},
-                                {3e150, 4e150, -5e150}, {0.3, -0.2, 0.8}};
+    const Vec3d directions[] = {{0, -1, 0},      {0, 1, 0},     {0, 0, -1},           {0, 0, 1},
+                                {1, 0, 0},       {1e-9, -1, 0}, {1e-200, -1e-199, 0}, {3e150, 4e150, -5e150},
+                                {0.3, -0.2, 0.8}};
     const Vec3d ups[] = {{0, 1, 0}, {0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 5, 1e-12}};
     for (const Vec3d& forward : directions) {
         for (const Vec3d& up : ups) {
@@ -50,7 +51,10 @@ TEST(Camera, IsTheSameFarFromTheOrigin) {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> within(0, 1000);
     for (int i = 0; i < 200; ++i) {
-        const View near{.eye = {within(random), within(random), within(random)}, .forward = {1, -0.2, 0.4}, .width = 160, .height = 90};
+        const View near{.eye = {within(random), within(random), within(random)},
+                        .forward = {1, -0.2, 0.4},
+                        .width = 160,
+                        .height = 90};
         // Eyes are doubles: what 1e7 cannot hold (2^-29 m) is not asked for.
         const auto coarse = [](double v) { return std::floor(v * 16777216) / 16777216; };
         View a = near;
@@ -155,12 +159,15 @@ TEST(Camera, CullingNeverHidesAVisiblePoint) {
             const float y = static_cast<float>(centre.y + corner() * half.y);
             const float z = static_cast<float>(centre.z + corner() * half.z);
             const auto clip = [&](int row) {
-                const auto m = [&](int column) { return c.clip_from_relative[static_cast<std::size_t>(column * 4 + row)]; };
+                const auto m = [&](int column) {
+                    return c.clip_from_relative[static_cast<std::size_t>(column * 4 + row)];
+                };
                 return m(0) * x + m(1) * y + m(2) * z + m(3);
             };
             const float w = clip(3);
             const float near = view.depth == DepthConvention::Reversed ? 0.0f : -w;
-            const bool visible = w > 0 && std::abs(clip(0)) <= w && std::abs(clip(1)) <= w && clip(2) >= near && clip(2) <= w;
+            const bool visible =
+                w > 0 && std::abs(clip(0)) <= w && std::abs(clip(1)) <= w && clip(2) >= near && clip(2) <= w;
             seen += visible;
             ASSERT_FALSE(visible && hidden) << i;
         }

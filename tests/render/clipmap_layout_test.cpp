@@ -32,15 +32,23 @@ std::vector<Case> cases() {
     const double ulp_before = std::nextafter(64.0, 0), ulp_after = std::nextafter(64.0, 100);
     for (const auto& [n, levels] : {std::pair{15, 1}, {15, 4}, {31, 3}, {15, 6}})
         for (const Texel last : {Texel{343, 402}, {256, 256}, {100, 37}, {1, 1}, {1024, 3}})
-            for (const PostPos viewer : {PostPos{0, 0}, {-40.3, 12.7}, {171.5, 200.25}, {343, 402}, {64, 64},
-                                         {ulp_before, ulp_after}, {63.0, 65.0}, {99.99, 36.5}, {-5000, 3}, {355, 90.6}})
+            for (const PostPos viewer : {PostPos{0, 0},
+                                         {-40.3, 12.7},
+                                         {171.5, 200.25},
+                                         {343, 402},
+                                         {64, 64},
+                                         {ulp_before, ulp_after},
+                                         {63.0, 65.0},
+                                         {99.99, 36.5},
+                                         {-5000, 3},
+                                         {355, 90.6}})
                 all.push_back({{.n = n, .levels = levels, .blend = 0.1}, viewer, last});
     return all;
 }
 
 std::string name(const Case& c) {
-    return text("n ", c.settings.n, ", levels ", c.settings.levels, ", viewer ", c.viewer.x, ", ", c.viewer.z, ", last ",
-                c.last.x, ", ", c.last.z);
+    return text("n ", c.settings.n, ", levels ", c.settings.levels, ", viewer ", c.viewer.x, ", ", c.viewer.z,
+                ", last ", c.last.x, ", ", c.last.z);
 }
 
 TEST(ClipmapLayout, EveryCellWithinTheCoarsestWindowIsDrawnOnce) {
@@ -54,8 +62,10 @@ TEST(ClipmapLayout, EveryCellWithinTheCoarsestWindowIsDrawnOnce) {
             ASSERT_LT(std::int64_t{b.x + b.width - 1} << b.level, c.last.x) << name(c);
             ASSERT_LT(std::int64_t{b.z + b.depth - 1} << b.level, c.last.z) << name(c);
             for (std::int32_t z = post_of(b.z, b.level, c.last.z); z < post_of(b.z + b.depth, b.level, c.last.z); ++z)
-                for (std::int32_t x = post_of(b.x, b.level, c.last.x); x < post_of(b.x + b.width, b.level, c.last.x); ++x)
-                    ++drawn[static_cast<std::size_t>(z) * static_cast<std::size_t>(c.last.x) + static_cast<std::size_t>(x)];
+                for (std::int32_t x = post_of(b.x, b.level, c.last.x); x < post_of(b.x + b.width, b.level, c.last.x);
+                     ++x)
+                    ++drawn[static_cast<std::size_t>(z) * static_cast<std::size_t>(c.last.x) +
+                            static_cast<std::size_t>(x)];
         }
         const ClipmapBlock& outer = layout.windows.back();
         const auto inside = [&](std::int64_t p, std::int32_t min, std::int32_t quads) {
@@ -63,7 +73,8 @@ TEST(ClipmapLayout, EveryCellWithinTheCoarsestWindowIsDrawnOnce) {
         };
         for (std::int32_t z = 0; z < c.last.z; ++z)
             for (std::int32_t x = 0; x < c.last.x; ++x)
-                ASSERT_EQ(drawn[static_cast<std::size_t>(z) * static_cast<std::size_t>(c.last.x) + static_cast<std::size_t>(x)],
+                ASSERT_EQ(drawn[static_cast<std::size_t>(z) * static_cast<std::size_t>(c.last.x) +
+                                static_cast<std::size_t>(x)],
                           inside(x, outer.x, outer.width) && inside(z, outer.z, outer.depth) ? 1 : 0)
                     << name(c) << ", cell " << x << ", " << z;
     }
@@ -99,11 +110,13 @@ TEST(ClipmapLayout, MorphIsOneOnOuterBordersAndZeroOnHoles) {
             int partly = 0;
             for (int step = 0; step < 300; ++step) {
                 const PostPos viewer{5000 + step * 0.7, 5000 - step * 0.413};
-                const ClipmapLayout layout = clipmap_layout({.n = n, .levels = 5, .blend = blend}, viewer, 1 << 20, 1 << 20);
+                const ClipmapLayout layout =
+                    clipmap_layout({.n = n, .levels = 5, .blend = blend}, viewer, 1 << 20, 1 << 20);
                 for (std::size_t l = 0; l + 1 < layout.windows.size(); ++l) {
                     const auto alpha_at = [&](std::size_t level, double x_posts, double z_posts) {
                         const double d = std::max(std::abs(x_posts - viewer.x), std::abs(z_posts - viewer.z));
-                        return shared::morph_alpha(static_cast<float>(std::ldexp(d, -static_cast<int>(level))), n, zone);
+                        return shared::morph_alpha(static_cast<float>(std::ldexp(d, -static_cast<int>(level))), n,
+                                                   zone);
                     };
                     const ClipmapBlock& w = layout.windows[l];
                     const double unit = std::ldexp(1.0, static_cast<int>(l));
@@ -134,7 +147,8 @@ TEST(ClipmapLayout, StitchesCoverTheBordersToCoarserLevels) {
         std::map<std::pair<std::int32_t, std::int32_t>, std::int32_t> level_of_cell;
         for (const ClipmapBlock& b : layout.blocks)
             for (std::int32_t z = post_of(b.z, b.level, c.last.z); z < post_of(b.z + b.depth, b.level, c.last.z); ++z)
-                for (std::int32_t x = post_of(b.x, b.level, c.last.x); x < post_of(b.x + b.width, b.level, c.last.x); ++x)
+                for (std::int32_t x = post_of(b.x, b.level, c.last.x); x < post_of(b.x + b.width, b.level, c.last.x);
+                     ++x)
                     level_of_cell[{x, z}] = b.level;
         const auto level_at = [&](std::int32_t x, std::int32_t z) {
             const auto found = level_of_cell.find({x, z});
@@ -162,7 +176,8 @@ TEST(ClipmapLayout, StitchesCoverTheBordersToCoarserLevels) {
             ASSERT_EQ(from % 2, 0) << name(c);
             ASSERT_LE(length, kBlockQuads);
             for (std::int32_t i = 0; i < length; i += 2) {
-                const std::int32_t low = post_of(from + i, s.level, last), middle = post_of(from + i + 1, s.level, last);
+                const std::int32_t low = post_of(from + i, s.level, last),
+                                   middle = post_of(from + i + 1, s.level, last);
                 const std::int32_t high = post_of(from + std::min(i + 2, length), s.level, last);
                 if (middle == high) continue;  // no area and no odd vertex: the map ends
                 const std::int32_t across = post_of(along_x ? s.z : s.x, s.level, along_x ? c.last.z : c.last.x);
@@ -203,7 +218,8 @@ TEST(ClipmapLayout, RefusesSettingsByName) {
     EXPECT_TRUE(check_clipmap({}));
 }
 
-// On its own grid a post has no coarser neighbours but itself; elsewhere they lie on the next grid, or on the last post.
+// On its own grid a post has no coarser neighbours but itself; elsewhere they lie on the next grid, or on the last
+// post.
 TEST(ClipmapMorph, CoarseNeighbours) {
     for (const int last : {100, 343, 255, 256}) {
         for (int level = 0; level < 5; ++level) {
@@ -217,7 +233,8 @@ TEST(ClipmapMorph, CoarseNeighbours) {
                 } else {
                     EXPECT_TRUE(low < p && p < high && low % (2 << level) == 0) << p;
                     EXPECT_TRUE(high == low + (2 << level) || high == last) << p;
-                    EXPECT_FLOAT_EQ(static_cast<float>(low) + t * static_cast<float>(high - low), static_cast<float>(p));
+                    EXPECT_FLOAT_EQ(static_cast<float>(low) + t * static_cast<float>(high - low),
+                                    static_cast<float>(p));
                 }
             }
         }

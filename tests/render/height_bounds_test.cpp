@@ -41,7 +41,8 @@ TEST(HeightBounds, HoldEveryCodeAfterAnyEdits) {
             const TexelRect changed = random_rect(width, depth, random);
             const std::uint32_t base = static_cast<std::uint32_t>(random());
             for (std::int32_t z = changed.min.z; z < changed.max.z; ++z)
-                for (std::int32_t x = changed.min.x; x < changed.max.x; ++x) field.set_code({x, z}, base ^ (random() & 255u));
+                for (std::int32_t x = changed.min.x; x < changed.max.x; ++x)
+                    field.set_code({x, z}, base ^ (random() & 255u));
             if (edit % 2 == 0) {
                 bounds.widen(changed, field);
             } else {

@@ -24,7 +24,8 @@ Jump walk(const ClipmapSettings& settings, int frames) {
     const HeightCodec codec = HeightCodec::for_range(0, 200);
     HeightField field(1025, 1025);
     for (std::int32_t z = 0; z < 1025; ++z)
-        for (std::int32_t x = 0; x < 1025; ++x) field.set_code({x, z}, codec.code(source->height_m({x, z}), HeightPrecision::bits32));
+        for (std::int32_t x = 0; x < 1025; ++x)
+            field.set_code({x, z}, codec.code(source->height_m({x, z}), HeightPrecision::bits32));
     const HeightBounds bounds(field);
     const GridSpec grid{{0, 0}, 1, 1025, 1025};
     const auto truth = [&](double x, double z) {
@@ -75,8 +76,8 @@ Jump walk(const ClipmapSettings& settings, int frames) {
 TEST(Popping, StaysBelowHalfAPixelAFrame) {
     for (const double refine_above_px : {1e6, 1.0}) {
         const Jump jump = walk({.n = 255, .levels = 5, .blend = 0.1, .refine_above_px = refine_above_px}, 400);
-        std::printf("popping, refined above %g px: %.3f px a frame at most, %zu comparisons\n", refine_above_px, jump.worst_px,
-                    jump.compared);
+        std::printf("popping, refined above %g px: %.3f px a frame at most, %zu comparisons\n", refine_above_px,
+                    jump.worst_px, jump.compared);
         EXPECT_GT(jump.compared, 50000u);
         EXPECT_LE(jump.worst_px, 0.5);
     }

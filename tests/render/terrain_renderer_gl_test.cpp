@@ -61,20 +61,22 @@ TEST_F(TerrainRendererGlTest, SurfaceIsTheTwins) {
             for (int py = 0; py < 256; ++py) {
                 for (int px = 0; px < 256; ++px) {
                     const double d = depths[static_cast<std::size_t>(py * 256 + px)];
-                    if (d <= 0) continue;  // off the map
+                    if (d <= 0) continue;                                      // off the map
                     const double away = 50.0 * 1000 / (d * (1000 - 50) + 50);  // depth = n (f - z) / (z (f - n))
                     const double tangent = std::tan(view.fov_y_rad / 2);
                     const double gx = x + (px + 0.5 - 128) / 128 * tangent * away;
                     const double gz = 201.77 - (py + 0.5 - 128) / 128 * tangent * away;  // north is up
                     if (gx < 1 || gz < 1 || gx > 511 || gz > 511 || twin.level_at(gx, gz) < 0) continue;
                     worst = std::max(worst, std::abs(twin.surface_m(gx, gz) + away));
-                    worst_against_truth = std::max(worst_against_truth, std::abs(scene.height_m(gx, gz) - view.eye.y + away));
+                    worst_against_truth =
+                        std::max(worst_against_truth, std::abs(scene.height_m(gx, gz) - view.eye.y + away));
                     ++compared;
                 }
             }
             EXPECT_GT(compared, 20000);
-            // Depth is float, 1 at 50 m: an ulp of 6e-8 at 400 m is 0.2 mm of distance, and as much again of position on
-            // slopes below 45 degrees or so; interpolation on the rasteriser's 1/256 pixel grid moves a slope by 2 mm.
+            // Depth is float, 1 at 50 m: an ulp of 6e-8 at 400 m is 0.2 mm of distance, and as much again of position
+            // on slopes below 45 degrees or so; interpolation on the rasteriser's 1/256 pixel grid moves a slope by 2
+            // mm.
             EXPECT_LT(worst, 0.02) << "refined above " << refine_above_px << " px, eye at x " << x;
             EXPECT_GT(worst_against_truth, 0.3) << "the levels differ from the full map, or nothing was tested";
         }
@@ -86,7 +88,8 @@ TEST_F(TerrainRendererGlTest, PictureIsTheSameFarFromTheOrigin) {
     const Target target(320, 180);
     std::vector<std::uint8_t> here;
     for (const double far : {0.0, 1e3, 1e5, 1e7, -1e7}) {
-        Scene scene(ground.field, ground.codec, {.clipmap = {.n = 63, .levels = 3}, .origin = {far, -far}, .spacing_m = 0.1, .lift_m = far});
+        Scene scene(ground.field, ground.codec,
+                    {.clipmap = {.n = 63, .levels = 3}, .origin = {far, -far}, .spacing_m = 0.1, .lift_m = far});
         View view;
         view.eye = {far + 10.7, far + 100, -far + 13.1};
         view.forward = {0.6, -0.5, -0.4};
@@ -223,8 +226,10 @@ TEST_F(TerrainRendererGlTest, PrecisionsAndFormatsLookAlike) {
     for (const auto precision : {HeightPrecision::bits32, HeightPrecision::bits16}) {
         for (const auto format : {SlopeFormat::rg8, SlopeFormat::rg16f}) {
             const Mountains& ground = precision == HeightPrecision::bits32 ? fine : rough;
-            Scene scene(ground.field, ground.codec, {.clipmap = {.n = 63, .levels = 3}, .precision = precision, .slopes = format});
-            const std::vector<std::uint8_t> picture = scene.picture(target, scene.view_from(100, 120, 9, towards(0.7, -0.3)));
+            Scene scene(ground.field, ground.codec,
+                        {.clipmap = {.n = 63, .levels = 3}, .precision = precision, .slopes = format});
+            const std::vector<std::uint8_t> picture =
+                scene.picture(target, scene.view_from(100, 120, 9, towards(0.7, -0.3)));
             if (first.empty()) first = picture;
             EXPECT_LT(difference_of(first, picture).mean, 0.8);
         }
@@ -255,7 +260,8 @@ TEST_F(TerrainRendererGlTest, MirroredWorldReflects) {
     std::vector<std::uint8_t> picture = scene.picture(target, reflected, shading), flipped = picture;
     for (int y = 0; y < 180; ++y)
         for (int x = 0; x < 320; ++x)
-            std::copy_n(&picture[static_cast<std::size_t>(y * 320 + x) * 4], 4, &flipped[static_cast<std::size_t>(y * 320 + 319 - x) * 4]);
+            std::copy_n(&picture[static_cast<std::size_t>(y * 320 + x) * 4], 4,
+                        &flipped[static_cast<std::size_t>(y * 320 + 319 - x) * 4]);
     EXPECT_LT(difference_of(original, flipped).mean, 1.5);
     EXPECT_GT(difference_of(original, picture).mean, 5) << "the picture is not its own mirror image";
 }

@@ -87,8 +87,8 @@ Result<Camera> make_camera(const View& view, const GridSpec& grid, const HeightC
     camera.fraction_z_m = static_cast<float>(camera.eye_z_m - base_z * grid.spacing_m);
     const double code = std::floor(camera.eye_y_m / codec.code_quantum_m() + 2147483648.0);
     camera.eye_code = static_cast<std::uint32_t>(std::clamp(code, 0.0, 4294967295.0));
-    camera.eye_above_code_m =
-        static_cast<float>(camera.eye_y_m - (static_cast<double>(camera.eye_code) - 2147483648.0) * codec.code_quantum_m());
+    camera.eye_above_code_m = static_cast<float>(
+        camera.eye_y_m - (static_cast<double>(camera.eye_code) - 2147483648.0) * codec.code_quantum_m());
 
     const glm::dvec3 forward = direction(view.forward), right = right_of(forward, view.up);
     const glm::dvec3 up = glm::cross(right, forward);
@@ -104,13 +104,18 @@ Result<Camera> make_camera(const View& view, const GridSpec& grid, const HeightC
     const glm::dmat4 clip = projection(view, tangent) * rotation;
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row)
-            camera.clip_from_relative[static_cast<std::size_t>(column * 4 + row)] = static_cast<float>(clip[column][row]);
+            camera.clip_from_relative[static_cast<std::size_t>(column * 4 + row)] =
+                static_cast<float>(clip[column][row]);
 
     // Gribb & Hartmann, Fast Extraction of Viewing Frustum Planes, 2001: rows of the matrix.
     const glm::dmat4 rows = glm::transpose(clip);
     const bool reversed = view.depth == DepthConvention::Reversed;
-    const glm::dvec4 planes[] = {rows[3] + rows[0], rows[3] - rows[0], rows[3] + rows[1], rows[3] - rows[1],
-                                 reversed ? rows[2] : rows[3] + rows[2], rows[3] - rows[2]};
+    const glm::dvec4 planes[] = {rows[3] + rows[0],
+                                 rows[3] - rows[0],
+                                 rows[3] + rows[1],
+                                 rows[3] - rows[1],
+                                 reversed ? rows[2] : rows[3] + rows[2],
+                                 rows[3] - rows[2]};
     for (std::size_t p = 0; p < 6; ++p) camera.planes[p] = {planes[p].x, planes[p].y, planes[p].z, planes[p].w};
     return camera;
 }

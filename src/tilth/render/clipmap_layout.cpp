@@ -27,8 +27,8 @@ std::int32_t window_min(double viewer, std::int32_t quads) {
     return 2 * static_cast<std::int32_t>(std::floor((viewer - quads * 0.5) * 0.5 + 0.5));
 }
 
-/// Cuts a rectangle into parts of nearly equal size, none above kBlockQuads: equal, because a block costs its whole mesh
-/// however few of its quads are used.
+/// Cuts a rectangle into parts of nearly equal size, none above kBlockQuads: equal, because a block costs its whole
+/// mesh however few of its quads are used.
 void cut(const Quads& area, std::int32_t level, std::vector<ClipmapBlock>& blocks) {
     if (area.empty()) return;
     const auto parts = [](std::int32_t length) { return (length + kBlockQuads - 1) / kBlockQuads; };
@@ -66,7 +66,8 @@ Result<void> check_clipmap(const ClipmapSettings& settings) {
     if (settings.levels < 1 || settings.levels > 16)
         return Error{ErrorCode::InvalidArgument, text("clipmap.levels is ", settings.levels, "; allowed are 1 to 16")};
     if (!(settings.blend >= 0.02 && settings.blend <= 0.25))
-        return Error{ErrorCode::InvalidArgument, text("clipmap.blend is ", settings.blend, "; allowed are 0.02 to 0.25")};
+        return Error{ErrorCode::InvalidArgument,
+                     text("clipmap.blend is ", settings.blend, "; allowed are 0.02 to 0.25")};
     if (!(settings.refine_above_px >= 0 && settings.refine_above_px <= 1e6))
         return Error{ErrorCode::InvalidArgument,
                      text("clipmap.refine_above_px is ", settings.refine_above_px, "; allowed are 0 to 1e6 pixels")};
@@ -98,7 +99,8 @@ ClipmapLayout clipmap_layout(const ClipmapSettings& settings, PostPos viewer, st
         }
         if (level + 1 < settings.levels && !window.empty()) {  // sides that the map does not cut off
             if (z > 0) add_stitches(true, window.min_x, window.max_x, z, level, layout.stitches);
-            if (z + quads < map.max_z) add_stitches(true, window.min_x, window.max_x, z + quads, level, layout.stitches);
+            if (z + quads < map.max_z)
+                add_stitches(true, window.min_x, window.max_x, z + quads, level, layout.stitches);
             if (x > 0) add_stitches(false, window.min_z, window.max_z, x, level, layout.stitches);
             if (x + quads < map.max_x)
                 add_stitches(false, window.min_z, window.max_z, x + quads, level, layout.stitches);

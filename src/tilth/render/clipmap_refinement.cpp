@@ -39,7 +39,8 @@ bool ground_ends(const ClipmapBlock& block, int side, const ClipmapLayout& layou
 }
 
 /// Marks the parts of one side of `block` (quads along it) that another refined block shares.
-void mark_shared(const ClipmapBlock& block, int side, const ClipmapBlock& other, std::array<bool, kBlockQuads>& shared) {
+void mark_shared(const ClipmapBlock& block, int side, const ClipmapBlock& other,
+                 std::array<bool, kBlockQuads>& shared) {
     const bool along_x = side < 2;
     if (across_of(block, side) != across_of(other, side ^ 1)) return;
     const std::int32_t start = along_x ? block.x : block.z, length = along_x ? block.width : block.depth;
@@ -78,8 +79,10 @@ bool ClipmapRefinement::touches(const ClipmapBlock& block) const {
     const auto weight = [&](std::int32_t x, std::int32_t z) {
         return weights[static_cast<std::size_t>(grid.first + (z - grid.min_z) * grid.width + x - grid.min_x)];
     };
-    for (std::int32_t z = floor_div(block.z, kNodeUnits); z <= floor_div(block.z + block.depth - 1, kNodeUnits) + 1; ++z)
-        for (std::int32_t x = floor_div(block.x, kNodeUnits); x <= floor_div(block.x + block.width - 1, kNodeUnits) + 1; ++x)
+    for (std::int32_t z = floor_div(block.z, kNodeUnits); z <= floor_div(block.z + block.depth - 1, kNodeUnits) + 1;
+         ++z)
+        for (std::int32_t x = floor_div(block.x, kNodeUnits); x <= floor_div(block.x + block.width - 1, kNodeUnits) + 1;
+             ++x)
             if (weight(x, z) > 0) return true;
     return false;
 }
@@ -89,7 +92,8 @@ float ClipmapRefinement::weight_at(std::int32_t level, std::int32_t x, std::int3
     if (grid.width == 0) return 0;
     const std::int32_t shift = level + 5, node_x = x >> shift, node_z = z >> shift;
     const float scale = 1.0f / static_cast<float>(1 << shift);
-    const float tx = static_cast<float>(x - (node_x << shift)) * scale, tz = static_cast<float>(z - (node_z << shift)) * scale;
+    const float tx = static_cast<float>(x - (node_x << shift)) * scale,
+                tz = static_cast<float>(z - (node_z << shift)) * scale;
     const auto weight = [&](std::int32_t i, std::int32_t j) {
         const std::int32_t cx = std::clamp(node_x + i - grid.min_x, 0, grid.width - 1);
         const std::int32_t cz = std::clamp(node_z + j - grid.min_z, 0, grid.depth - 1);
@@ -139,8 +143,8 @@ DrawnBlocks drawn_blocks(const ClipmapLayout& layout, const ClipmapRefinement& r
         }
         refined.push_back(b);
         for (std::int32_t quarter = 0; quarter < 4; ++quarter) {
-            const ClipmapBlock part{2 * b.x + (quarter % 2) * b.width, 2 * b.z + (quarter / 2) * b.depth, b.width, b.depth,
-                                    b.level - 1};
+            const ClipmapBlock part{2 * b.x + (quarter % 2) * b.width, 2 * b.z + (quarter / 2) * b.depth, b.width,
+                                    b.depth, b.level - 1};
             drawn.blocks.push_back({part, b.level});
         }
     }

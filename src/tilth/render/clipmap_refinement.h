@@ -2,10 +2,10 @@
 //
 // A ring's block may be drawn with the vertices of the next finer level. A vertex p of it stands at
 //     base(p) + w(p) (own height(p) - base(p)),     base = the ring's own (morphed) surface
-// where w is a continuous function of position and viewer: bilinear between nodes every 32 units of the ring's level, and
-// faded out towards the ring's two borders (`shared/clipmap_morph.glsl`). Blocks that touch no node above 0 are not refined,
-// so w is 0 on every border between refined and unrefined ground, and nothing jumps when a block changes sides: silhouettes
-// gain a level, and there is neither crack nor pop.
+// where w is a continuous function of position and viewer: bilinear between nodes every 32 units of the ring's level,
+// and faded out towards the ring's two borders (`shared/clipmap_morph.glsl`). Blocks that touch no node above 0 are not
+// refined, so w is 0 on every border between refined and unrefined ground, and nothing jumps when a block changes
+// sides: silhouettes gain a level, and there is neither crack nor pop.
 #pragma once
 
 #include <cstdint>
@@ -46,8 +46,8 @@ struct RefinementInput {
     const HeightBounds& bounds;
 };
 
-/// Weights for one viewer: 0 where the finer level would move no vertex near the node by `refine_above_px` pixels, 1 from
-/// twice that on. A few thousand look-ups.
+/// Weights for one viewer: 0 where the finer level would move no vertex near the node by `refine_above_px` pixels, 1
+/// from twice that on. A few thousand look-ups.
 ClipmapRefinement clipmap_refinement(const ClipmapSettings& settings, const ClipmapLayout& layout, const Camera& camera,
                                      const RefinementInput& input);
 
@@ -57,9 +57,9 @@ struct DrawnBlock {
     std::int32_t base_level = 0;  ///< block.level, or one more if refined
 };
 
-/// What is drawn for a layout: refined blocks are cut in four; stitches along their borders to unrefined ground are added to
-/// those of the layout. None where ground ends (there w is not 0 and a stitch would be a fin): `last_x`, `last_z` are the
-/// map's last posts, as the layout was made for.
+/// What is drawn for a layout: refined blocks are cut in four; stitches along their borders to unrefined ground are
+/// added to those of the layout. None where ground ends (there w is not 0 and a stitch would be a fin): `last_x`,
+/// `last_z` are the map's last posts, as the layout was made for.
 struct DrawnBlocks {
     std::vector<DrawnBlock> blocks, stitches;
 };

@@ -142,11 +142,13 @@ void HeightBounds::refresh_errors(const TexelRect& changed, const HeightField& f
                 std::int64_t error = 0;
                 const auto height = [&](std::int32_t x, std::int32_t z) { return std::int64_t{field.row(z)[x]}; };
                 for (std::int32_t z = cz * posts; z < std::min((cz + 1) * posts, depth_); z += step) {
-                    const std::int32_t z0 = shared::coarse_low(z, level - 1, last_z), z1 = shared::coarse_high(z, level - 1, last_z);
+                    const std::int32_t z0 = shared::coarse_low(z, level - 1, last_z),
+                                       z1 = shared::coarse_high(z, level - 1, last_z);
                     for (std::int32_t x = cx * posts; x < std::min((cx + 1) * posts, width_); x += step) {
                         const std::int32_t x0 = shared::coarse_low(x, level - 1, last_x);
                         const std::int32_t x1 = shared::coarse_high(x, level - 1, last_x);
-                        // Halfway on an edge or on the diagonal: the mean of its ends (nearly so in a last, narrow cell).
+                        // Halfway on an edge or on the diagonal: the mean of its ends (nearly so in a last, narrow
+                        // cell).
                         const std::int64_t base = (height(x0, z0) + height(x1, z1)) / 2;
                         error = std::max(error, std::abs(height(x, z) - base));
                     }

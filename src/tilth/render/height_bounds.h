@@ -15,8 +15,8 @@ struct CodeRange {
     friend bool operator==(const CodeRange&, const CodeRange&) = default;
 };
 
-/// Smallest and largest code of every 64 x 64 posts of a map, and of 2 x 2 of those, and so on; and how far a clipmap level
-/// is from the next finer one.
+/// Smallest and largest code of every 64 x 64 posts of a map, and of 2 x 2 of those, and so on; and how far a clipmap
+/// level is from the next finer one.
 ///
 /// The range that it answers is never narrower than the truth, and may be wider: whole blocks are read, and `widen_by`
 /// never narrows. Memory: 8 bytes per 64 x 64 posts and 4 bytes per 64 x 64, a third more for the pyramids. One thread.
@@ -33,16 +33,16 @@ public:
     /// Posts in `changed` have new codes in `field`, which is current: recomputes the blocks that it touches. Exact.
     void widen(const TexelRect& changed, const HeightField& field);
 
-    /// Posts in `changed` have new codes between `min_code` and `max_code`, which only the GPU knows. Level errors grow by
-    /// what the range grows, which is a guess: they steer quality only.
+    /// Posts in `changed` have new codes between `min_code` and `max_code`, which only the GPU knows. Level errors grow
+    /// by what the range grows, which is a guess: they steer quality only.
     void widen_by(const TexelRect& changed, std::uint32_t min_code, std::uint32_t max_code);
 
     /// A range that holds every code in `rect`, which is clipped to the map and must not be empty then. Reads at most
     /// 6 x 6 entries: for a large rectangle, of a coarser level of the pyramid.
     [[nodiscard]] CodeRange query(const TexelRect& rect) const;
 
-    /// The largest distance, in codes, from the surface of `level` >= 1 to a vertex of level - 1, in the cells of 32 x 32
-    /// level units that `rect` [posts, clipped to the map] touches.
+    /// The largest distance, in codes, from the surface of `level` >= 1 to a vertex of level - 1, in the cells of 32 x
+    /// 32 level units that `rect` [posts, clipped to the map] touches.
     [[nodiscard]] std::uint32_t level_error(std::int32_t level, const TexelRect& rect) const;
 
     [[nodiscard]] TexelRect rect() const { return {{0, 0}, {width_, depth_}}; }

@@ -76,9 +76,9 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
                                                 const ClipmapSettings& settings, const MapInfo& map) {
     if (Result<void> checked = check_clipmap(settings); !checked) return checked.error();
     if (map.grid.width < 2 || map.grid.depth < 2 || !(map.grid.spacing_m > 0))
-        return Error{ErrorCode::InvalidArgument, text("a map to draw has 2 x 2 posts or more and a spacing above 0, not ",
-                                                      map.grid.width, " x ", map.grid.depth, " posts ",
-                                                      map.grid.spacing_m, " m apart")};
+        return Error{ErrorCode::InvalidArgument,
+                     text("a map to draw has 2 x 2 posts or more and a spacing above 0, not ", map.grid.width, " x ",
+                          map.grid.depth, " posts ", map.grid.spacing_m, " m apart")};
     gl::Features features;
     if (map.precision == HeightPrecision::bits16) features.emplace_back("BITS16", "1");
     if (map.mirrored) features.emplace_back("MIRRORED", "1");
@@ -91,14 +91,15 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
     auto stitch_array = gl::VertexArray::create(device, "clipmap stitches");
     if (!stitch_array) return stitch_array.error();
     const std::vector<std::uint16_t> mesh = mesh_indices();
-    auto indices = gl::Buffer::create(device, "clipmap mesh", mesh.size() * sizeof(mesh[0]), gl::BufferUsage::Static,
-                                      mesh.data());
+    auto indices =
+        gl::Buffer::create(device, "clipmap mesh", mesh.size() * sizeof(mesh[0]), gl::BufferUsage::Static, mesh.data());
     if (!indices) return indices.error();
     auto blocks = gl::Buffer::create(device, "clipmap blocks", 256 * sizeof(DrawnBlock), gl::BufferUsage::Stream);
     if (!blocks) return blocks.error();
     auto stitches = gl::Buffer::create(device, "clipmap stitches", 256 * sizeof(DrawnBlock), gl::BufferUsage::Stream);
     if (!stitches) return stitches.error();
-    auto weights = gl::TextureBuffer::create(device, "clipmap refinement", gl::Format::R32F, 1024, gl::BufferUsage::Stream);
+    auto weights =
+        gl::TextureBuffer::create(device, "clipmap refinement", gl::Format::R32F, 1024, gl::BufferUsage::Stream);
     if (!weights) return weights.error();
     return TerrainRenderer(device, settings, map, std::move(*program), std::move(*block_array),
                            std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches),
@@ -191,7 +192,9 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
                              static_cast<GLsizei>(drawn_.blocks.size()));
     stats.draws += 1;
     if (!drawn_.stitches.empty()) {
-        gl.Disable(GL_CULL_FACE);  // a triangle without area has no front
+        gl.Disable(GL_CULL_FACE);   // a triangle without area has no front,
+        gl.Enable(GL_DEPTH_CLAMP);  // and where a rasteriser finds a pixel in it, the depth there may be anything:
+        gl.DepthFunc(view.depth == DepthConvention::Reversed ? GL_GEQUAL : GL_LEQUAL);  // still before the background
         stitch_buffer_.replace(std::as_bytes(std::span(drawn_.stitches)));
         stitch_array_.bind();
         gl.DrawElementsInstanced(GL_TRIANGLES, kStitchIndices, GL_UNSIGNED_SHORT,
@@ -277,10 +280,10 @@ void TerrainRenderer::set_state(const View& view) {
     } else {
         gl.Disable(GL_CULL_FACE);
     }
-    for (const GLenum off : {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST,
-                             GL_STENCIL_TEST, GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP,
-                             GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK,
-                             GL_PRIMITIVE_RESTART})
+    for (const GLenum off :
+         {GL_BLEND, GL_DITHER, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_STENCIL_TEST,
+          GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_SAMPLE_ALPHA_TO_COVERAGE,
+          GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
         gl.Disable(off);
     for (GLenum plane = 0; plane < 8; ++plane) gl.Disable(GL_CLIP_DISTANCE0 + plane);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -314,7 +317,8 @@ void TerrainRenderer::set_uniforms(const Camera& camera, const Shading& shading,
     program_.set_ivec4s(u_.node_grids, grids);
 
     const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1e-6);
-    program_.set(u_.eye_tint, f(1 / tint_span), f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
+    program_.set(u_.eye_tint, f(1 / tint_span),
+                 f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
     set(program_, u_.to_light, normalised(shading.to_light));
     program_.set(u_.ambient, shading.ambient);
     program_.set(u_.diffuse, shading.diffuse);

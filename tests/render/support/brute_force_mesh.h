@@ -1,4 +1,5 @@
-// The contract surface as a mesh of all posts: the reference that shares no code with the renderer's shaders and layout.
+// The contract surface as a mesh of all posts: the reference that shares no code with the renderer's shaders and
+// layout.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -20,7 +21,8 @@ public:
           program_(value(shaders_.program("reference", "reference.vert", "reference.frag"))),
           u_clip_from_relative_(program_.uniform("u_clip_from_relative")),
           array_(value(gl::VertexArray::create(test::device(), "reference"))),
-          positions_(value(gl::Buffer::create(test::device(), "reference positions", positions_bytes(), gl::BufferUsage::Stream))),
+          positions_(value(
+              gl::Buffer::create(test::device(), "reference positions", positions_bytes(), gl::BufferUsage::Stream))),
           indices_(value(make_indices(scene.field()))) {
         array_.float_attribute(0, positions_, 3, gl::AttributeType::Float, 12, 0);
         array_.index_buffer(indices_);
@@ -42,8 +44,9 @@ public:
         }
         positions_.replace(std::as_bytes(std::span(positions)));
         const glm::dvec3 forward(view.forward.x, view.forward.y, view.forward.z), up(view.up.x, view.up.y, view.up.z);
-        const glm::mat4 clip(glm::perspective(view.fov_y_rad, double(target.width()) / target.height(), view.near_m, view.far_m) *
-                             glm::lookAt(glm::dvec3(0), forward, up));
+        const glm::mat4 clip(
+            glm::perspective(view.fov_y_rad, double(target.width()) / target.height(), view.near_m, view.far_m) *
+            glm::lookAt(glm::dvec3(0), forward, up));
         target.clear(1, 0, 1);
         const gl::Api& gl = test::device().gl();
         for (const GLenum off : {GL_CULL_FACE, GL_BLEND, GL_DITHER, GL_SCISSOR_TEST}) gl.Disable(off);
@@ -58,16 +61,21 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t positions_bytes() const { return static_cast<std::size_t>(scene_->field().rect().count()) * 12; }
+    [[nodiscard]] std::size_t positions_bytes() const {
+        return static_cast<std::size_t>(scene_->field().rect().count()) * 12;
+    }
     static Result<gl::Buffer> make_indices(const HeightField& field) {
         std::vector<std::uint32_t> indices;
-        const auto add = [&](std::int32_t x, std::int32_t z) { indices.push_back(static_cast<std::uint32_t>(z * field.width() + x)); };
+        const auto add = [&](std::int32_t x, std::int32_t z) {
+            indices.push_back(static_cast<std::uint32_t>(z * field.width() + x));
+        };
         for (std::int32_t z = 0; z + 1 < field.depth(); ++z)
             for (std::int32_t x = 0; x + 1 < field.width(); ++x) {
                 add(x, z), add(x, z + 1), add(x + 1, z + 1);
                 add(x, z), add(x + 1, z + 1), add(x + 1, z);
             }
-        return gl::Buffer::create(test::device(), "reference mesh", indices.size() * 4, gl::BufferUsage::Static, indices.data());
+        return gl::Buffer::create(test::device(), "reference mesh", indices.size() * 4, gl::BufferUsage::Static,
+                                  indices.data());
     }
 
     const Scene* scene_;

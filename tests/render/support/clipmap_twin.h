@@ -33,14 +33,14 @@ public:
     [[nodiscard]] float vertex_m(int level, int x, int z) const {
         const float height = post_m(x, z);
         if (level >= settings_.levels - 1) return height;
-        const float alpha = shared::morph_alpha(distance_units(level, x, z), settings_.n,
-                                                shared::morph_zone_units(settings_.n, static_cast<float>(settings_.blend)));
+        const float alpha =
+            shared::morph_alpha(distance_units(level, x, z), settings_.n,
+                                shared::morph_zone_units(settings_.n, static_cast<float>(settings_.blend)));
         const int x0 = shared::coarse_low(x, level, last_.x), x1 = shared::coarse_high(x, level, last_.x);
         const int z0 = shared::coarse_low(z, level, last_.z), z1 = shared::coarse_high(z, level, last_.z);
         if (alpha <= 0 || (x0 == x1 && z0 == z1)) return height;
-        const float coarse =
-            shared::cell_height(post_m(x0, z0), post_m(x1, z0), post_m(x0, z1), post_m(x1, z1),
-                                shared::coarse_weight(x, x0, x1), shared::coarse_weight(z, z0, z1));
+        const float coarse = shared::cell_height(post_m(x0, z0), post_m(x1, z0), post_m(x0, z1), post_m(x1, z1),
+                                                 shared::coarse_weight(x, x0, x1), shared::coarse_weight(z, z0, z1));
         return alpha < 1 ? height + alpha * (coarse - height) : coarse;
     }
 
@@ -52,8 +52,9 @@ public:
         if (x0 != x1 || z0 != z1)
             base = shared::cell_height(base, vertex_m(level, x1, z0), vertex_m(level, x0, z1), vertex_m(level, x1, z1),
                                        shared::coarse_weight(x, x0, x1), shared::coarse_weight(z, z0, z1));
-        const float weight = refinement_.weight_at(level, x, z) *
-                             shared::refinement_fade(distance_units(level, x, z), settings_.n, level == settings_.levels - 1);
+        const float weight =
+            refinement_.weight_at(level, x, z) *
+            shared::refinement_fade(distance_units(level, x, z), settings_.n, level == settings_.levels - 1);
         return weight > 0 ? base + weight * (post_m(x, z) - base) : base;
     }
 
@@ -61,13 +62,14 @@ public:
     [[nodiscard]] int level_at(double x, double z) const {
         for (const ClipmapBlock& w : layout_.windows) {
             const double unit = std::ldexp(1.0, w.level);
-            if (x >= w.x * unit && z >= w.z * unit && x < (w.x + w.width) * unit && z < (w.z + w.depth) * unit) return w.level;
+            if (x >= w.x * unit && z >= w.z * unit && x < (w.x + w.width) * unit && z < (w.z + w.depth) * unit)
+                return w.level;
         }
         return -1;
     }
 
-    /// Height of the drawn surface, metres from the eye; (x, z) in posts, covered and inside the map. A ring that is not
-    /// refined has weight 0, so its surface is the same on the finer level's cells.
+    /// Height of the drawn surface, metres from the eye; (x, z) in posts, covered and inside the map. A ring that is
+    /// not refined has weight 0, so its surface is the same on the finer level's cells.
     [[nodiscard]] double surface_m(double x, double z) const {
         const int level = level_at(x, z), cells = std::max(level - 1, 0);
         const auto low = [&](double p, int last) {

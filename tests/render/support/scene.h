@@ -26,7 +26,8 @@ inline HeightField field_of(const HeightSource& source, const HeightCodec& codec
                             HeightPrecision precision = HeightPrecision::bits32) {
     HeightField field(source.width(), source.depth());
     for (std::int32_t z = 0; z < field.depth(); ++z)
-        for (std::int32_t x = 0; x < field.width(); ++x) field.set_code({x, z}, codec.code(source.height_m({x, z}), precision));
+        for (std::int32_t x = 0; x < field.width(); ++x)
+            field.set_code({x, z}, codec.code(source.height_m({x, z}), precision));
     return field;
 }
 
@@ -55,8 +56,10 @@ inline void upload_slopes(SlopeMap& slopes, const HeightField& field, float per_
                                        std::clamp(std::min(z << level, field.depth() - 1) + dz, 0, field.depth() - 1)});
                 };
                 const int px = std::min(x << level, field.width() - 1), pz = std::min(z << level, field.depth() - 1);
-                const float sx = shared::slope_along(0, code(-1, 0), code(1, 0), 0, px, field.width() - 1, false, per_m);
-                const float sz = shared::slope_along(0, code(0, -1), code(0, 1), 0, pz, field.depth() - 1, false, per_m);
+                const float sx =
+                    shared::slope_along(0, code(-1, 0), code(1, 0), 0, px, field.width() - 1, false, per_m);
+                const float sz =
+                    shared::slope_along(0, code(0, -1), code(0, 1), 0, pz, field.depth() - 1, false, per_m);
                 const float length = std::sqrt(sx * sx + sz * sz);
                 for (const float s : {sx, sz}) {
                     if (slopes.format() == SlopeFormat::rg8) {
@@ -64,7 +67,9 @@ inline void upload_slopes(SlopeMap& slopes, const HeightField& field, float per_
                     } else {  // to half, truncated; no denormals
                         int exponent = 0;
                         const float mantissa = std::frexp(std::abs(s), &exponent);
-                        const int bits = s == 0 || exponent < -13 ? 0 : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
+                        const int bits = s == 0 || exponent < -13
+                                             ? 0
+                                             : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
                         halves.push_back(static_cast<std::uint16_t>(bits | (s < 0 ? 0x8000 : 0)));
                     }
                 }
@@ -124,7 +129,9 @@ public:
     [[nodiscard]] double height_m(double x, double z) const {
         const auto cell = [](double p, std::int32_t size) { return std::min(static_cast<std::int32_t>(p), size - 2); };
         const std::int32_t i = cell(x, field_->width()), j = cell(z, field_->depth());
-        const auto h = [&](std::int32_t a, std::int32_t b) { return map_.codec.height_m(field_->code({i + a, j + b})); };
+        const auto h = [&](std::int32_t a, std::int32_t b) {
+            return map_.codec.height_m(field_->code({i + a, j + b}));
+        };
         const double u = x - i, v = z - j;
         return u >= v ? h(0, 0) + u * (h(1, 0) - h(0, 0)) + v * (h(1, 1) - h(1, 0))
                       : h(0, 0) + v * (h(0, 1) - h(0, 0)) + u * (h(1, 1) - h(0, 1));
