@@ -2,7 +2,10 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(exported tilth_ground tilth_tilth)
+set(exported tilth_ground)
+if(TILTH_BUILD_GL)
+    list(APPEND exported tilth_tilth)
+endif()
 if(TILTH_BUILD_CONTEXT)
     list(APPEND exported tilth_context)
 endif()

@@ -26,6 +26,7 @@ int integer_of(const Api& gl, GLenum name) {
 std::vector<std::string> extensions_of(const Api& gl) {
     std::vector<std::string> names;
     const int count = integer_of(gl, GL_NUM_EXTENSIONS);
+    names.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i)
         names.emplace_back(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, static_cast<GLuint>(i))));
     std::sort(names.begin(), names.end());

@@ -46,7 +46,7 @@ private:
         std::string_view key, value;
     };
 
-    void fail(std::string what) {
+    void fail(const std::string& what) {
         if (!error_) error_ = Error{ErrorCode::InvalidArgument, text("heights \"", spec_, "\": ", what)};
     }
 
