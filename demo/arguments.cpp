@@ -21,7 +21,8 @@ std::optional<int> side_of(std::string_view digits) {
 std::optional<std::array<int, 2>> size_of(const std::string& value) {
     const std::size_t x = value.find('x');
     if (x == std::string::npos) return {};
-    const auto width = side_of(std::string_view(value).substr(0, x)), height = side_of(std::string_view(value).substr(x + 1));
+    const auto width = side_of(std::string_view(value).substr(0, x)),
+               height = side_of(std::string_view(value).substr(x + 1));
     if (!width || !height) return {};
     return std::array<int, 2>{*width, *height};
 }
@@ -47,13 +48,15 @@ std::string not_in_this_build(std::string& value) {
 }
 
 std::string check_size(std::string& value) {
-    return size_of(value) ? std::string() : "'" + value + "' is not a size; allowed: WIDTHxHEIGHT, each from 1 to 16384";
+    return size_of(value) ? std::string()
+                          : "'" + value + "' is not a size; allowed: WIDTHxHEIGHT, each from 1 to 16384";
 }
 
 std::string check_backend(std::string& value) {
     if (value == "none") return {};
     const bool known = std::find(kBackendNames.begin(), kBackendNames.end(), value) != kBackendNames.end();
-    return "'" + value + (known ? "': this build does not have this backend yet; allowed: none" : "' is not known; allowed: none");
+    return "'" + value +
+           (known ? "': this build does not have this backend yet; allowed: none" : "' is not known; allowed: none");
 }
 
 }  // namespace
@@ -67,7 +70,8 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
     app.add_option("--scenario", a.scenario, "what to play (TOML)");
     app.add_option("--heights", a.heights, "of the default world: a file, or ridged:..., flat:..., hill:...");
     app.add_option("--size", size, "of the picture, pixels")->check(CLI::Validator(check_size, "WIDTHxHEIGHT"));
-    app.add_option("--backend", a.backend, "how fine detail is shown")->check(CLI::Validator(check_backend, joined(kBackendNames)));
+    app.add_option("--backend", a.backend, "how fine detail is shown")
+        ->check(CLI::Validator(check_backend, joined(kBackendNames)));
     app.add_option("--preset", a.preset, "quality")->check(one_of_these(kPresetNames));
     app.add_option("--executor", a.executor, "who computes stamps")->check(one_of_these(kExecutorNames));
     app.add_option("--context", a.context, "where GL comes from without a window")->check(one_of_these(kContextNames));
@@ -76,7 +80,8 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
     app.add_option("--out", a.out, "folder for relative outputs");
     app.add_option("--stats", a.stats, "statistics as JSON");
     app.add_option("--stamps", a.stamps, "folder of stamp images")->check(CLI::ExistingDirectory);
-    app.add_option("--shaders", a.shaders, "folder of shaders instead of the built-in ones")->check(CLI::ExistingDirectory);
+    app.add_option("--shaders", a.shaders, "folder of shaders instead of the built-in ones")
+        ->check(CLI::ExistingDirectory);
     app.add_option("--frames", a.frames, "window: leave after so many frames")->check(CLI::Range(0L, 1'000'000'000L));
     app.add_flag("--script", a.script, "window: play a short input script (smoke test)");
     try {
@@ -104,7 +109,8 @@ void override_scenario(const Arguments& arguments, Scenario& scenario) {
     TerrainSettings& settings = scenario.terrain.settings;
     if (arguments.executor) settings.executor = static_cast<ExecutorKind>(index(kExecutorNames, *arguments.executor));
     if (arguments.precision)
-        settings.ground.precision = *arguments.precision == "bits32" ? HeightPrecision::bits32 : HeightPrecision::bits16;
+        settings.ground.precision =
+            *arguments.precision == "bits32" ? HeightPrecision::bits32 : HeightPrecision::bits16;
     settings.shader_folder = arguments.shaders;
 }
 

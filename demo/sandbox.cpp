@@ -22,9 +22,9 @@ Scenario default_scenario(const Arguments& arguments) {
     const std::string real = TILTH_DATA_DIR "/jacksboro.tif";
     Scenario scenario;
     scenario.file = "default world";
-    scenario.terrain.heights = !arguments.heights.empty()       ? arguments.heights
+    scenario.terrain.heights = !arguments.heights.empty()      ? arguments.heights
                                : std::filesystem::exists(real) ? real
-                                                                : "ridged:seed=7,size=1025,relief=200";
+                                                               : "ridged:seed=7,size=1025,relief=200";
     scenario.view.fog_per_m = 0.0004;
     return scenario;
 }
@@ -100,11 +100,13 @@ int run_sandbox(const Arguments& arguments) {
 
     Session session;
     if (const auto status = open_session(arguments, stamps, scenario, heights, session)) return *status;
-    Player player(*session.terrain, scenario, &*session.screen, {arguments.out, session.route->name(), low_m, high_m}, std::cerr);
+    Player player(*session.terrain, scenario, &*session.screen, {arguments.out, session.route->name(), low_m, high_m},
+                  std::cerr);
     bool good = player.play();
     if (!arguments.stats.empty()) good = write_stats(arguments.stats, player.report(true)) && good;
     if (!arguments.headless) {
-        const WindowSettings window{scenario.view, low_m, high_m, player.viewer(), arguments.out, arguments.frames, arguments.script};
+        const WindowSettings window{scenario.view,    low_m,           high_m, player.viewer(), arguments.out,
+                                    arguments.frames, arguments.script};
         if (const auto run = run_window(session.route->window(), *session.terrain, window); !run) {
             std::cerr << run.error().message << std::endl;
             good = false;

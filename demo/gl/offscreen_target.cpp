@@ -19,7 +19,8 @@ void flip_rows(std::vector<T>& texels, std::size_t row) {
 
 }  // namespace
 
-OffscreenTarget::OffscreenTarget(gl::Device& device, gl::Texture2D colour, gl::Texture2D depth, gl::Framebuffer framebuffer)
+OffscreenTarget::OffscreenTarget(gl::Device& device, gl::Texture2D colour, gl::Texture2D depth,
+                                 gl::Framebuffer framebuffer)
     : device_(&device),
       width_(colour.width()),
       height_(colour.height()),
@@ -28,9 +29,11 @@ OffscreenTarget::OffscreenTarget(gl::Device& device, gl::Texture2D colour, gl::T
       framebuffer_(std::move(framebuffer)) {}
 
 Result<OffscreenTarget> OffscreenTarget::create(gl::Device& device, int width, int height) {
-    auto colour = gl::Texture2D::create(device, "demo.colour", {.format = gl::Format::Rgba8, .width = width, .height = height});
+    auto colour =
+        gl::Texture2D::create(device, "demo.colour", {.format = gl::Format::Rgba8, .width = width, .height = height});
     if (!colour) return colour.error();
-    auto depth = gl::Texture2D::create(device, "demo.depth", {.format = gl::Format::Depth32F, .width = width, .height = height});
+    auto depth =
+        gl::Texture2D::create(device, "demo.depth", {.format = gl::Format::Depth32F, .width = width, .height = height});
     if (!depth) return depth.error();
     auto framebuffer = gl::Framebuffer::create(device, "demo.target");
     if (!framebuffer) return framebuffer.error();

@@ -22,7 +22,8 @@ public:
 
     /// Binds it for drawing, sets its viewport, clears colour (linear RGB) and depth (1).
     void begin(const Vec3f& clear);
-    /// Waits until everything drawn is there, so that a frame's time holds its own work. A program may; the library never.
+    /// Waits until everything drawn is there, so that a frame's time holds its own work. A program may; the library
+    /// never.
     void finish();
     /// 8-bit RGB, top row first. Waits.
     [[nodiscard]] std::vector<std::uint8_t> read_rgb8() const;

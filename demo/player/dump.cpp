@@ -49,7 +49,8 @@ Result<void> write_dump(const Ground& ground, const DumpStep& step, const std::s
     const TexelRect rect = texels_in(geometry.grid, step.region);
     if (rect.empty()) return Error{ErrorCode::InvalidArgument, "region: no texel of the map lies in it"};
     if (rect.count() > kMaxDumpTexels)
-        return Error{ErrorCode::InvalidArgument, text("region: holds ", rect.count(), " texels; allowed: at most ", kMaxDumpTexels)};
+        return Error{ErrorCode::InvalidArgument,
+                     text("region: holds ", rect.count(), " texels; allowed: at most ", kMaxDumpTexels)};
 
     const int channels = step.what == DumpWhat::Slope ? 2 : 1;
     const auto value = [&](Texel t, int channel) -> double {

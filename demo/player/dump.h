@@ -8,8 +8,8 @@
 
 namespace tilth::demo {
 
-/// dh/dx and dh/dz of one map at texel `t`, by central differences of its codes (one-sided at the map's border), with the
-/// formula of the slope maps.
+/// dh/dx and dh/dz of one map at texel `t`, by central differences of its codes (one-sided at the map's border), with
+/// the formula of the slope maps.
 std::array<double, 2> slope_at(const Ground& ground, MapKind map, Texel t);
 
 /// Writes what `step` asks for to `path`. The CPU's copy must be current. Fails when the region holds no texel or more

@@ -29,7 +29,8 @@ std::uint64_t tiles_with_detail(const Ground& ground) {
 
 }  // namespace
 
-Player::Player(Terrain& terrain, const Scenario& scenario, Screen* screen, PlayerSettings settings, std::ostream& errors)
+Player::Player(Terrain& terrain, const Scenario& scenario, Screen* screen, PlayerSettings settings,
+               std::ostream& errors)
     : terrain_(terrain),
       scenario_(scenario),
       screen_(screen),
@@ -39,9 +40,9 @@ Player::Player(Terrain& terrain, const Scenario& scenario, Screen* screen, Playe
       viewer_(viewer_at_centre(terrain.ground())) {}
 
 bool Player::play() {
-    for (const Step& step : scenario_.steps) attempt(step.number, step.line, [&] {
-        return std::visit([this](const auto& action) { return run(action); }, step.action);
-    });
+    for (const Step& step : scenario_.steps)
+        attempt(step.number, step.line,
+                [&] { return std::visit([this](const auto& action) { return run(action); }, step.action); });
     if (!scenario_.steps.empty()) {
         const Step& last = scenario_.steps.back();
         attempt(last.number, last.line, [&] { return settle(), Outcome(); });
@@ -74,7 +75,7 @@ double Player::ground_m(WorldPos at) {
 
 std::string Player::output_path(const std::string& file) const {
     const std::filesystem::path path = settings_.out / file;  // an absolute `file` stays as it is
-    std::error_code ignored;                                  // a folder that cannot be made shows in the writer's error
+    std::error_code ignored;  // a folder that cannot be made shows in the writer's error
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), ignored);
     return path.string();
 }
@@ -137,8 +138,14 @@ Player::Outcome Player::run(const PathStep& step) {
 }
 
 Player::Outcome Player::run(const RandomStep& step) {
-    RandomStamps random{.seed = step.seed, .count = step.count, .region = step.region, .radius_m = step.radius_m,
-                        .amplitude_m = step.amplitude_m, .map = step.map, .shapes = {}, .rules = step.rules};
+    RandomStamps random{.seed = step.seed,
+                        .count = step.count,
+                        .region = step.region,
+                        .radius_m = step.radius_m,
+                        .amplitude_m = step.amplitude_m,
+                        .map = step.map,
+                        .shapes = {},
+                        .rules = step.rules};
     for (const std::string& name : step.shapes) random.shapes.push_back(*terrain_.shapes().find(name));
     for (const StampRequest& request : random_stamps(random, terrain_.ground()))
         if (Outcome failed = queue(request, 1)) return failed;
@@ -195,7 +202,8 @@ Player::Outcome Player::run(const ScreenshotStep& step) {
     if (Outcome failed = draw_frame()) return failed;
     if (const auto written = screen_->write_png(output_path(step.file)); !written) return written.error().message;
     if (step.depth_file.empty()) return {};
-    if (const auto written = screen_->write_depth(output_path(step.depth_file), view_now()); !written) return written.error().message;
+    if (const auto written = screen_->write_depth(output_path(step.depth_file), view_now()); !written)
+        return written.error().message;
     return {};
 }
 
@@ -216,7 +224,8 @@ Player::Outcome Player::run(const QueryStep& step) {
 
 Player::Outcome Player::run(const ExpectStep& step) {
     settle();
-    if (const auto* height = std::get_if<ExpectHeight>(&step.what)) return unmet(*height, terrain_.height_m(height->at));
+    if (const auto* height = std::get_if<ExpectHeight>(&step.what))
+        return unmet(*height, terrain_.height_m(height->at));
     if (const auto* hash = std::get_if<ExpectHash>(&step.what)) return unmet(*hash, terrain_.hash());
     const auto& stat = std::get<ExpectStat>(step.what);
     return unmet(stat, to_json(report(stat.path.starts_with("hash"))));

@@ -7,7 +7,8 @@ namespace tilth::demo {
 
 Viewer viewer_at_centre(const Ground& ground) {
     const GridSpec& grid = ground.map(MapKind::Coarse).grid;
-    const WorldPos at{grid.origin.x + grid.spacing_m * (grid.width - 1) / 2, grid.origin.z + grid.spacing_m * (grid.depth - 1) / 2};
+    const WorldPos at{grid.origin.x + grid.spacing_m * (grid.width - 1) / 2,
+                      grid.origin.z + grid.spacing_m * (grid.depth - 1) / 2};
     return {.eye = {at.x, ground.height_m(at) + 10, at.z}};
 }
 

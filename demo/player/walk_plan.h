@@ -12,8 +12,8 @@ namespace tilth::demo {
 struct WalkPlan {
     WorldPos from, to;
     double length_m = 0;
-    double step_m = 0;          ///< each frame
-    std::int64_t frames = 0;    ///< 0: the viewer is there already
+    double step_m = 0;        ///< each frame
+    std::int64_t frames = 0;  ///< 0: the viewer is there already
 
     [[nodiscard]] double distance_m(std::int64_t frame) const;
     [[nodiscard]] WorldPos position(std::int64_t frame) const;

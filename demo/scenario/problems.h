@@ -26,9 +26,11 @@ public:
     /// "FILE:LINE: key: text", a line for each, in the file's order.
     [[nodiscard]] std::string report(const std::string& file) const {
         std::vector<Problem> sorted = list_;
-        std::stable_sort(sorted.begin(), sorted.end(), [](const Problem& a, const Problem& b) { return a.line < b.line; });
+        std::stable_sort(sorted.begin(), sorted.end(),
+                         [](const Problem& a, const Problem& b) { return a.line < b.line; });
         std::string out;
-        for (const Problem& p : sorted) out += file + ":" + std::to_string(p.line) + ": " + p.key + ": " + p.text + "\n";
+        for (const Problem& p : sorted)
+            out += file + ":" + std::to_string(p.line) + ": " + p.key + ": " + p.text + "\n";
         return out;
     }
 

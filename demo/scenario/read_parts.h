@@ -24,6 +24,7 @@ StampStep read_stamp_keys(TableReader& reader, const StepRules& rules, bool with
 bool goes_to_coarse(MapChoice map, double radius_m, const GroundSettings& ground);
 
 /// One [[step]]; nothing if it is wrong.
-std::optional<Step> read_step(const toml::table& table, int number, int line, const StepRules& rules, Problems& problems);
+std::optional<Step> read_step(const toml::table& table, int number, int line, const StepRules& rules,
+                              Problems& problems);
 
 }  // namespace tilth::demo

@@ -15,8 +15,8 @@ namespace tilth::demo {
 
 /// What a scenario may refer to that only the program knows.
 struct ScenarioContext {
-    std::vector<std::string> shapes;                       ///< names of all shapes, in the library's order
-    std::function<bool(std::string_view path)> has_stat;   ///< whether statistics have this path; empty: not checked
+    std::vector<std::string> shapes;                      ///< names of all shapes, in the library's order
+    std::function<bool(std::string_view path)> has_stat;  ///< whether statistics have this path; empty: not checked
 };
 
 /// Reads and checks a file. Nothing is returned if anything is wrong; `problems` then says what.

@@ -8,9 +8,7 @@ namespace {
 /// Stamps are smaller than this many texels of their map; the library's limit.
 constexpr double kMaxRadiusTexels = 8192;
 
-bool reads_level(StampRule rule) {
-    return rule == StampRule::Min || rule == StampRule::Max || rule == StampRule::Set;
-}
+bool reads_level(StampRule rule) { return rule == StampRule::Min || rule == StampRule::Max || rule == StampRule::Set; }
 
 void check_radius(TableReader& reader, double radius_m, bool coarse, const GroundSettings& ground) {
     const double texel_m = coarse ? ground.spacing_m : ground.spacing_m / ground.texels_per_post;
@@ -51,8 +49,9 @@ StampStep read_stamp_keys(TableReader& reader, const StepRules& rules, bool with
     if (coarse && reads_level(request.rule) && !reader.has("level"))
         reader.missing("level", "metres, absolute; min, max and set need it on the coarse map");
     if (coarse && ground.mirror)
-        reader.wrong(reader.has("map") ? "map" : "radius",
-                     "a mirrored world takes no coarse stamps; allowed: map = \"detail\" or a radius below eight posts");
+        reader.wrong(
+            reader.has("map") ? "map" : "radius",
+            "a mirrored world takes no coarse stamps; allowed: map = \"detail\" or a radius below eight posts");
     if (!coarse && !ground.detail)
         reader.wrong("map", "this world has no detail map ([terrain] detail = false); allowed: auto or coarse");
     return step;

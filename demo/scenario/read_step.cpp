@@ -8,16 +8,21 @@ namespace tilth::demo {
 
 namespace {
 
-const std::vector<std::string> kStepKeys{"camera", "walk",  "stamp", "path",  "random", "wait",  "screenshot", "dump",   "query",
-                                         "expect", "teleport", "wave", "shock", "save",  "reopen", "crash",     "undo", "redo"};
+const std::vector<std::string> kStepKeys{"camera",     "walk", "stamp",  "path",   "random",   "wait",
+                                         "screenshot", "dump", "query",  "expect", "teleport", "wave",
+                                         "shock",      "save", "reopen", "crash",  "undo",     "redo"};
 
 /// Steps of the form that later builds will have.
 struct Later {
     const char* key;
     const char* what;
 };
-constexpr Later kLater[] = {{"wave", "effects"},          {"shock", "effects"},         {"save", "worlds on disk"},
-                            {"reopen", "worlds on disk"}, {"crash", "worlds on disk"}, {"undo", "undo"},
+constexpr Later kLater[] = {{"wave", "effects"},
+                            {"shock", "effects"},
+                            {"save", "worlds on disk"},
+                            {"reopen", "worlds on disk"},
+                            {"crash", "worlds on disk"},
+                            {"undo", "undo"},
                             {"redo", "undo"}};
 
 constexpr Range kSeconds{0, 1e6, false, "seconds from 0 to 1e6"};
@@ -103,7 +108,8 @@ RandomStep read_random(TableReader& reader, const StepRules& rules) {
     const bool coarse = goes_to_coarse(step.map, step.radius_m[1], ground);
     const double limit_m = 8192 * (coarse ? ground.spacing_m : ground.spacing_m / ground.texels_per_post);
     if (step.radius_m[1] >= limit_m)
-        reader.wrong("radius", text("reaches ", step.radius_m[1], "; allowed: below 8192 texels of the map, ", limit_m, " m"));
+        reader.wrong("radius",
+                     text("reaches ", step.radius_m[1], "; allowed: below 8192 texels of the map, ", limit_m, " m"));
     if (coarse && ground.mirror)
         reader.wrong(reader.has("map") ? "map" : "radius",
                      "a mirrored world takes no coarse stamps; allowed: map = \"detail\" or radii below eight posts");
@@ -131,7 +137,8 @@ WalkStep read_walk(TableReader& reader, const StepRules& rules) {
 WaitStep read_wait(TableReader& reader, const toml::table& table) {
     WaitStep step;
     if (reader.has("frames") == reader.has("seconds"))
-        reader.problems().add(reader.line(), "wait", "needs one of frames and seconds; allowed: { frames = 60 } or { seconds = 1.0 }");
+        reader.problems().add(reader.line(), "wait",
+                              "needs one of frames and seconds; allowed: { frames = 60 } or { seconds = 1.0 }");
     step.frames = reader.integer("frames", 0, 1'000'000'000).value_or(0);
     step.seconds = reader.number("seconds", kSeconds);
     const toml::node* dt = table.get("dt");
@@ -139,13 +146,15 @@ WaitStep read_wait(TableReader& reader, const toml::table& table) {
         step.dt_s = reader.numbers("dt", 1, 100'000, kSeconds).value_or(step.dt_s);
     else if (const auto one = reader.number("dt", kSeconds))
         step.dt_s = {*one};
-    if (step.seconds && *step.seconds > 0 && std::all_of(step.dt_s.begin(), step.dt_s.end(), [](double s) { return s == 0; }))
+    if (step.seconds && *step.seconds > 0 &&
+        std::all_of(step.dt_s.begin(), step.dt_s.end(), [](double s) { return s == 0; }))
         reader.wrong("dt", "is 0, so seconds never pass; allowed: a dt above 0 with seconds");
     return step;
 }
 
 bool ends_with_one_of(const std::string& file, const std::vector<std::string>& endings) {
-    return std::any_of(endings.begin(), endings.end(), [&](const std::string& e) { return file.ends_with(e) && file.size() > e.size(); });
+    return std::any_of(endings.begin(), endings.end(),
+                       [&](const std::string& e) { return file.ends_with(e) && file.size() > e.size(); });
 }
 
 ScreenshotStep read_screenshot(TableReader& step_table) {
@@ -171,7 +180,8 @@ DumpStep read_dump(TableReader& reader, const StepRules& rules) {
     step.file = reader.required_string("file", allowed);
     if (!step.file.empty() && !ends_with_one_of(step.file, kDumpEndings))
         reader.wrong("file", "has another ending; allowed: " + allowed);
-    const bool raw = ends_with_one_of(step.file, {".r16", ".r32f"}), floats = ends_with_one_of(step.file, {".exr", ".r32f"});
+    const bool raw = ends_with_one_of(step.file, {".r16", ".r32f"}),
+               floats = ends_with_one_of(step.file, {".exr", ".r32f"});
     if (step.what == DumpWhat::Code && floats)
         reader.wrong("file", "holds floats, which lose the last bits of a code; allowed for codes: .csv, .tif or .r16");
     if (step.what == DumpWhat::Slope && raw)
@@ -207,7 +217,8 @@ ExpectStat read_expected_stat(TableReader& reader, const toml::table& table, con
     ExpectStat stat;
     stat.path = reader.required_string("stat", "a path like last_frame.deform.passes");
     if (!stat.path.empty() && context.has_stat && !context.has_stat(stat.path))
-        reader.wrong("stat", text("the statistics have no '", stat.path.substr(0, 80), "'; allowed: a path like last_frame.deform.passes"));
+        reader.wrong("stat", text("the statistics have no '", stat.path.substr(0, 80),
+                                  "'; allowed: a path like last_frame.deform.passes"));
     if (const toml::node* equals = table.get("equals"); equals != nullptr && equals->is_string())
         stat.equals_text = reader.string("equals", "a number or text");
     else
@@ -224,7 +235,8 @@ ExpectStep read_expect(TableReader& reader, const toml::table& table, const Scen
     const int kinds = int(reader.has("height_at")) + int(reader.has("hash")) + int(reader.has("stat"));
     if (kinds != 1) {
         reader.problems().add(reader.line(), "expect", "needs exactly one of height_at, hash and stat");
-        for (const char* key : {"height_at", "hash", "stat", "value", "within", "equals", "at_most", "at_least"}) reader.known(key);
+        for (const char* key : {"height_at", "hash", "stat", "value", "within", "equals", "at_most", "at_least"})
+            reader.known(key);
         return step;
     }
     if (reader.has("hash")) {
@@ -261,11 +273,11 @@ std::optional<std::string> step_key(TableReader& reader, const toml::table& tabl
     for (const std::string& key : kStepKeys)
         if (table.contains(key)) found.push_back(key);
     if (found.size() > 1) {
-        const auto later = std::max_element(found.begin(), found.end(), [&](const std::string& a, const std::string& b) {
-            return reader.line_of(a) < reader.line_of(b);
-        });
-        reader.wrong(*later, text("a step has exactly one step key, and this one has ", found.size(), ": ", joined(found),
-                                  "; start another [[step]]"));
+        const auto later = std::max_element(
+            found.begin(), found.end(),
+            [&](const std::string& a, const std::string& b) { return reader.line_of(a) < reader.line_of(b); });
+        reader.wrong(*later, text("a step has exactly one step key, and this one has ", found.size(), ": ",
+                                  joined(found), "; start another [[step]]"));
         return {};
     }
     if (!found.empty()) return found.front();
@@ -274,14 +286,16 @@ std::optional<std::string> step_key(TableReader& reader, const toml::table& tabl
     else if (table.empty())
         reader.problems().add(reader.line(), "step", text("is empty; allowed: ", one_of(kStepKeys)));
     else
-        reader.problems().add(static_cast<int>(table.begin()->first.source().begin.line), std::string(table.begin()->first.str()),
+        reader.problems().add(static_cast<int>(table.begin()->first.source().begin.line),
+                              std::string(table.begin()->first.str()),
                               text("unknown step; allowed: ", one_of(kStepKeys)));
     return {};
 }
 
 }  // namespace
 
-std::optional<Step> read_step(const toml::table& table, int number, int line, const StepRules& rules, Problems& problems) {
+std::optional<Step> read_step(const toml::table& table, int number, int line, const StepRules& rules,
+                              Problems& problems) {
     TableReader outer(table, "step " + std::to_string(number), line, problems);
     const auto key = step_key(outer, table);
     if (!key) return {};

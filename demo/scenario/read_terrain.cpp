@@ -65,8 +65,8 @@ void read_terrain(TableReader& reader, const std::filesystem::path& folder, Terr
     reader.empty_list("effects", "effects");
     reader.not_yet("store", "worlds on disk");
     reader.not_yet("flush", "a journal");
-    for (const char* key : {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post", "tile_size",
-                            "precision", "executor", "slopes"})
+    for (const char* key : {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post",
+                            "tile_size", "precision", "executor", "slopes"})
         if (reader.has(key)) terrain.lines[key] = reader.line_of(key);
     reader.finish();
 }
@@ -81,7 +81,8 @@ void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
     view.fov_degrees = reader.number("fov", {0.1, 175, false, "degrees from 0.1 to 175"}).value_or(view.fov_degrees);
     if (const auto backend = reader.choice("backend", kBackendNames)) {
         view.backend = kBackendNames[*backend];
-        if (*backend != 0) reader.wrong("backend", text("this build does not have '", view.backend, "' yet; allowed: none"));
+        if (*backend != 0)
+            reader.wrong("backend", text("this build does not have '", view.backend, "' yet; allowed: none"));
     }
     if (const auto preset = reader.choice("preset", kPresetNames)) view.preset = kPresetNames[*preset];
     if (const auto c = reader.numbers("clear", 3, 3, {0, 1, false, "linear red, green, blue from 0 to 1"}))

@@ -19,36 +19,37 @@ namespace tilth::demo {
 
 /// [terrain]: the world and who computes it.
 struct TerrainPart {
-    std::string heights;                        ///< a path (already joined with the scenario's folder) or "word:key=value"
-    TerrainSettings settings;                   ///< everything else: ground, executor, slopes, clipmap
-    std::map<std::string, int> lines;           ///< line of every key that was given, for errors found later
-    int line = 1;                               ///< of the table itself
+    std::string heights;               ///< a path (already joined with the scenario's folder) or "word:key=value"
+    TerrainSettings settings;          ///< everything else: ground, executor, slopes, clipmap
+    std::map<std::string, int> lines;  ///< line of every key that was given, for errors found later
+    int line = 1;                      ///< of the table itself
 };
 
 /// [view]: the picture's size and look.
 struct ViewPart {
-    std::int32_t width = 1600, height = 900;    ///< pixels
-    double fov_degrees = 60;                    ///< vertical
-    Vec3f clear{0.6f, 0.6f, 0.6f};              ///< background, linear RGB
+    std::int32_t width = 1600, height = 900;  ///< pixels
+    double fov_degrees = 60;                  ///< vertical
+    Vec3f clear{0.6f, 0.6f, 0.6f};            ///< background, linear RGB
     std::string backend = "none";
     std::string preset = "medium";
     // Ours, beyond SCENARIO's keys.
-    double fog_per_m = 0;                       ///< density of exp(-(density d)^2); the fog has the clear colour
-    std::optional<Vec3d> to_light;              ///< direction towards the light; absent: `Shading`'s
-    std::optional<std::array<double, 2>> tint_m;  ///< heights between which low turns to high; absent: the source's range
+    double fog_per_m = 0;           ///< density of exp(-(density d)^2); the fog has the clear colour
+    std::optional<Vec3d> to_light;  ///< direction towards the light; absent: `Shading`'s
+    std::optional<std::array<double, 2>>
+        tint_m;  ///< heights between which low turns to high; absent: the source's range
 };
 
 /// A position on the ground that may leave its height to the ground's: y, or metres above the surface.
 struct CameraStep {
-    Vec3d eye;                                  ///< y is not used with `above_ground_m`
+    Vec3d eye;  ///< y is not used with `above_ground_m`
     Vec3d look_at;
     std::optional<double> above_ground_m;
 };
 
 struct StampStep {
-    std::string shape;                          ///< a name that the stamp library knows
-    StampRequest request;                       ///< all but its shape's number; `key` as given
-    std::int64_t repeat = 1;                    ///< the key counts up
+    std::string shape;        ///< a name that the stamp library knows
+    StampRequest request;     ///< all but its shape's number; `key` as given
+    std::int64_t repeat = 1;  ///< the key counts up
 };
 
 struct PathStep {
@@ -63,15 +64,15 @@ struct RandomStep {
     std::array<WorldPos, 2> region;
     std::array<double, 2> radius_m{1, 1}, amplitude_m{0, 0};
     MapChoice map = MapChoice::Auto;
-    std::vector<std::string> shapes;            ///< in the library's order; never empty
-    std::vector<StampRule> rules;               ///< in SCENARIO's order; never empty
+    std::vector<std::string> shapes;  ///< in the library's order; never empty
+    std::vector<StampRule> rules;     ///< in SCENARIO's order; never empty
 };
 
 struct WalkStep {
     WorldPos to;
     double speed_m_per_s = 1, above_ground_m = 2, dt_s = 0.016667, stride_m = 0.75;
     std::optional<StampStep> print;
-    double alternate_m = 0;                     ///< of the print: as of a path
+    double alternate_m = 0;  ///< of the print: as of a path
 };
 
 struct TeleportStep {
@@ -80,12 +81,12 @@ struct TeleportStep {
 
 struct WaitStep {
     std::int64_t frames = 0;
-    std::optional<double> seconds;              ///< in place of `frames`: until the steps add up to it
-    std::vector<double> dt_s{0.016667};         ///< cycled
+    std::optional<double> seconds;       ///< in place of `frames`: until the steps add up to it
+    std::vector<double> dt_s{0.016667};  ///< cycled
 };
 
 struct ScreenshotStep {
-    std::string file, depth_file;               ///< depth is empty if not asked for
+    std::string file, depth_file;  ///< depth is empty if not asked for
 };
 
 enum class DumpWhat { Height, Code, Slope };
@@ -110,7 +111,7 @@ struct ExpectHash {
     std::optional<std::string> coarse, detail;  ///< 16 lower-case hexadecimal digits
 };
 struct ExpectStat {
-    std::string path;                           ///< "last_frame.deform.passes"
+    std::string path;  ///< "last_frame.deform.passes"
     std::optional<double> equals, at_most, at_least;
     std::optional<std::string> equals_text;
 };
@@ -127,7 +128,7 @@ struct Step {
 };
 
 struct Scenario {
-    std::filesystem::path file;                 ///< where it was read from; empty for the default world
+    std::filesystem::path file;  ///< where it was read from; empty for the default world
     TerrainPart terrain;
     ViewPart view;
     std::vector<Step> steps;

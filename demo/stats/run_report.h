@@ -19,10 +19,10 @@ using Json = nlohmann::ordered_json;
 
 /// Everything that `--stats` writes.
 struct RunReport {
-    std::string route, renderer, gl_version;    ///< "egl" | "osmesa" | "glfw", GL_RENDERER, "4.5"
-    std::string executor, executor_reason;      ///< "gpu" | "cpu": the one that ran, and why
+    std::string route, renderer, gl_version;  ///< "egl" | "osmesa" | "glfw", GL_RENDERER, "4.5"
+    std::string executor, executor_reason;    ///< "gpu" | "cpu": the one that ran, and why
     StateHash hash;
-    FrameTimes frames;                          ///< of `walk` and `wait`; screenshots are not timed
+    FrameTimes frames;  ///< of `walk` and `wait`; screenshots are not timed
     gl::FrameStats total, last_frame;
     std::uint64_t tiles = 0, gpu_bytes = 0, cpu_bytes = 0;
     Json queries = Json::array();

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kLookRadiansAPixel = 0.0035;  // taste: a 900-pixel sweep turns by half a circle
 constexpr double kShiftFactor = 8;
-constexpr double kDepthOfRadius = 0.2;         // taste: the slope of a natural crater
+constexpr double kDepthOfRadius = 0.2;  // taste: the slope of a natural crater
 constexpr int kRules = 5;
 
 double axis(const Input& input, Key plus, Key minus) {
@@ -21,7 +21,8 @@ double axis(const Input& input, Key plus, Key minus) {
 Commands commands_of(const Input& input, double speed_m_per_s) {
     Commands out;
     const double step_m = speed_m_per_s * (input.held.contains(Key::Shift) ? kShiftFactor : 1) * input.dt_s;
-    out.move = {axis(input, Key::D, Key::A) * step_m, axis(input, Key::E, Key::Q) * step_m, axis(input, Key::W, Key::S) * step_m};
+    out.move = {axis(input, Key::D, Key::A) * step_m, axis(input, Key::E, Key::Q) * step_m,
+                axis(input, Key::W, Key::S) * step_m};
     if (input.right_down) {
         out.yaw_rad = input.mouse_dx * kLookRadiansAPixel;
         out.pitch_rad = -input.mouse_dy * kLookRadiansAPixel;
@@ -55,12 +56,20 @@ Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_
 }
 
 StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m) {
-    StampRequest request{.shape = {}, .centre = centre, .radius_m = brush.radius_m,
-                         .amplitude_m = brush.digs ? -brush.depth_m : brush.depth_m, .map = MapChoice::Coarse,
-                         .rule = brush.rule, .level_m = {}, .rotation_rad = 0, .mirror = false, .key = {}};
+    StampRequest request{.shape = {},
+                         .centre = centre,
+                         .radius_m = brush.radius_m,
+                         .amplitude_m = brush.digs ? -brush.depth_m : brush.depth_m,
+                         .map = MapChoice::Coarse,
+                         .rule = brush.rule,
+                         .level_m = {},
+                         .rotation_rad = 0,
+                         .mirror = false,
+                         .key = {}};
     if (brush.rule == StampRule::Smooth) request.amplitude_m = 0.5;
     if (brush.rule == StampRule::Set) request.amplitude_m = 0;
-    if (brush.rule == StampRule::Min || brush.rule == StampRule::Max || brush.rule == StampRule::Set) request.level_m = ground_m;
+    if (brush.rule == StampRule::Min || brush.rule == StampRule::Max || brush.rule == StampRule::Set)
+        request.level_m = ground_m;
     return request;
 }
 

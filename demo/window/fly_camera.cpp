@@ -45,7 +45,8 @@ FlyCamera moved(FlyCamera camera, const Commands& commands) {
 Vec3d ray_through(const View& view, const Vec3d& right, double pixel_x, double pixel_y) {
     const Vec3d f = normalised(view.forward), up = cross(right, f);
     const double half = std::tan(view.fov_y_rad / 2);
-    const double x = (2 * pixel_x / view.width - 1) * half * view.width / view.height, y = (1 - 2 * pixel_y / view.height) * half;
+    const double x = (2 * pixel_x / view.width - 1) * half * view.width / view.height,
+                 y = (1 - 2 * pixel_y / view.height) * half;
     return {f.x + right.x * x + up.x * y, f.y + right.y * x + up.y * y, f.z + right.z * x + up.z * y};
 }
 

@@ -6,16 +6,33 @@ Input scripted_input(long frame) {
     Input input;
     input.dt_s = 1.0 / 60;
     switch (frame) {
-        case 0: input.pressed = {Key::F1}; break;
-        case 1: input.held = {Key::W, Key::E, Key::Shift}; break;
-        case 2: input.right_down = true, input.mouse_dx = 20, input.mouse_dy = 10; break;
-        case 3: input.pressed = {Key::Digit5}, input.wheel = 3; break;
-        case 4: input.left_down = input.left_pressed = true; break;
+        case 0:
+            input.pressed = {Key::F1};
+            break;
+        case 1:
+            input.held = {Key::W, Key::E, Key::Shift};
+            break;
+        case 2:
+            input.right_down = true, input.mouse_dx = 20, input.mouse_dy = 10;
+            break;
+        case 3:
+            input.pressed = {Key::Digit5}, input.wheel = 3;
+            break;
+        case 4:
+            input.left_down = input.left_pressed = true;
+            break;
         case 5:
-        case 6: input.left_down = true, input.mouse_dx = 40; break;
-        case 7: input.pressed = {Key::X, Key::R}; break;
-        case 8: input.pressed = {Key::F12}; break;
-        default: break;
+        case 6:
+            input.left_down = true, input.mouse_dx = 40;
+            break;
+        case 7:
+            input.pressed = {Key::X, Key::R};
+            break;
+        case 8:
+            input.pressed = {Key::F12};
+            break;
+        default:
+            break;
     }
     return input;
 }

@@ -27,13 +27,29 @@ namespace tilth::demo {
 
 namespace {
 
-constexpr std::pair<int, Key> kKeys[] = {
-    {GLFW_KEY_W, Key::W}, {GLFW_KEY_A, Key::A}, {GLFW_KEY_S, Key::S}, {GLFW_KEY_D, Key::D},
-    {GLFW_KEY_Q, Key::Q}, {GLFW_KEY_E, Key::E}, {GLFW_KEY_LEFT_SHIFT, Key::Shift},
-    {GLFW_KEY_1, Key::Digit1}, {GLFW_KEY_2, Key::Digit2}, {GLFW_KEY_3, Key::Digit3}, {GLFW_KEY_4, Key::Digit4},
-    {GLFW_KEY_5, Key::Digit5}, {GLFW_KEY_6, Key::Digit6}, {GLFW_KEY_7, Key::Digit7}, {GLFW_KEY_8, Key::Digit8},
-    {GLFW_KEY_9, Key::Digit9}, {GLFW_KEY_LEFT_BRACKET, Key::BracketLeft}, {GLFW_KEY_RIGHT_BRACKET, Key::BracketRight},
-    {GLFW_KEY_X, Key::X}, {GLFW_KEY_R, Key::R}, {GLFW_KEY_F1, Key::F1}, {GLFW_KEY_F12, Key::F12}, {GLFW_KEY_ESCAPE, Key::Escape}};
+constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
+                                         {GLFW_KEY_A, Key::A},
+                                         {GLFW_KEY_S, Key::S},
+                                         {GLFW_KEY_D, Key::D},
+                                         {GLFW_KEY_Q, Key::Q},
+                                         {GLFW_KEY_E, Key::E},
+                                         {GLFW_KEY_LEFT_SHIFT, Key::Shift},
+                                         {GLFW_KEY_1, Key::Digit1},
+                                         {GLFW_KEY_2, Key::Digit2},
+                                         {GLFW_KEY_3, Key::Digit3},
+                                         {GLFW_KEY_4, Key::Digit4},
+                                         {GLFW_KEY_5, Key::Digit5},
+                                         {GLFW_KEY_6, Key::Digit6},
+                                         {GLFW_KEY_7, Key::Digit7},
+                                         {GLFW_KEY_8, Key::Digit8},
+                                         {GLFW_KEY_9, Key::Digit9},
+                                         {GLFW_KEY_LEFT_BRACKET, Key::BracketLeft},
+                                         {GLFW_KEY_RIGHT_BRACKET, Key::BracketRight},
+                                         {GLFW_KEY_X, Key::X},
+                                         {GLFW_KEY_R, Key::R},
+                                         {GLFW_KEY_F1, Key::F1},
+                                         {GLFW_KEY_F12, Key::F12},
+                                         {GLFW_KEY_ESCAPE, Key::Escape}};
 
 /// Polls GLFW and turns it into `Input`: what changed since the frame before.
 class InputPoller {
@@ -172,7 +188,8 @@ private:
         const Vec3d direction = ray_through(view(), camera_.right(), pixel_x_, pixel_y_);
         const auto distance_m = terrain_.raycast(camera_.eye, direction, 50'000);
         if (!distance_m) return;
-        const double length = std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
+        const double length =
+            std::sqrt(direction.x * direction.x + direction.y * direction.y + direction.z * direction.z);
         const double share = *distance_m / length;
         aim_ = WorldPos{camera_.eye.x + direction.x * share, camera_.eye.z + direction.z * share};
         aim_height_m_ = camera_.eye.y + direction.y * share;
@@ -214,7 +231,8 @@ private:
         const Shading shading = shading_of(part, settings_.low_m, settings_.high_m);
         if (const auto drawn = terrain_.draw(view(), shading); !drawn) return drawn.error();
         const std::string path = (settings_.out / ("screenshot-" + std::to_string(++screenshots_) + ".png")).string();
-        if (const auto written = io::write_png_rgb8(path, width_, height_, target->read_rgb8()); !written) return written.error();
+        if (const auto written = io::write_png_rgb8(path, width_, height_, target->read_rgb8()); !written)
+            return written.error();
         std::cout << path << std::endl;
         return {};
     }
@@ -223,12 +241,14 @@ private:
         smooth_dt_s_ = smooth_dt_s_ == 0 ? dt_s : 0.95 * smooth_dt_s_ + 0.05 * dt_s;
         const gl::FrameStats& stats = terrain_.last_frame();
         char line[256];
-        std::snprintf(line, sizeof line, "tilth  %.1f ms  %llu k triangles  %llu deform passes  |  %s %s %s, radius %.1f m  |  %s",
+        std::snprintf(line, sizeof line,
+                      "tilth  %.1f ms  %llu k triangles  %llu deform passes  |  %s %s %s, radius %.1f m  |  %s",
                       smooth_dt_s_ * 1e3, static_cast<unsigned long long>(stats.render.primitives / 1000),
                       static_cast<unsigned long long>(stats.deform.passes),
-                      terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(), rule_name(brush_.rule),
-                      brush_.digs ? "down" : "up", brush_.radius_m,
-                      shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X sign, R rule, F12 picture, Esc"
+                      terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(),
+                      rule_name(brush_.rule), brush_.digs ? "down" : "up", brush_.radius_m,
+                      shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
+                                    "sign, R rule, F12 picture, Esc"
                                   : "F1 help");
         glfwSetWindowTitle(window_, line);
     }
@@ -252,7 +272,8 @@ private:
 }  // namespace
 
 Result<void> run_window(GLFWwindow* window, Terrain& terrain, const WindowSettings& settings) {
-    auto device = gl::Device::create([](const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); });
+    auto device =
+        gl::Device::create([](const char* name) { return reinterpret_cast<void*>(glfwGetProcAddress(name)); });
     if (!device) return device.error();
     return Sandbox(window, terrain, settings, std::move(*device)).run();
 }

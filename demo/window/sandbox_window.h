@@ -14,11 +14,11 @@ namespace tilth::demo {
 
 struct WindowSettings {
     ViewPart view;
-    double low_m = 0, high_m = 100;     ///< range of the original heights, for the tint
+    double low_m = 0, high_m = 100;  ///< range of the original heights, for the tint
     Viewer start;
-    std::filesystem::path out = ".";    ///< where F12 writes screenshot-N.png
-    long frames = 0;                    ///< leave after so many; 0: when the user does
-    bool script = false;                ///< feeds `scripted_input` in place of keys and mouse
+    std::filesystem::path out = ".";  ///< where F12 writes screenshot-N.png
+    long frames = 0;                  ///< leave after so many; 0: when the user does
+    bool script = false;              ///< feeds `scripted_input` in place of keys and mouse
 };
 
 /// Runs until Esc, the window's cross or the last frame. `window`'s context is current and the world's.

@@ -1,4 +1,5 @@
-// The program itself, on bad arguments and bad scenarios: exit status 2 before anything starts, and a message that helps.
+// The program itself, on bad arguments and bad scenarios: exit status 2 before anything starts, and a message that
+// helps.
 #include <gtest/gtest.h>
 
 #include "demo/corpus.h"

@@ -29,8 +29,8 @@ protected:
     [[nodiscard]] std::string stats_path() const { return (folder_ / "stats.json").string(); }
 
     Ran play(const std::string& scenario, const std::string& flags) {
-        return run_sandbox_program("--headless --scenario '" + scenario + "' --out '" + folder_.string() + "' --stats '" + stats_path() +
-                                   "' " + flags);
+        return run_sandbox_program("--headless --scenario '" + scenario + "' --out '" + folder_.string() +
+                                   "' --stats '" + stats_path() + "' " + flags);
     }
     Json stats() const { return Json::parse(std::ifstream(stats_path())); }
     std::string write(const std::string& name, const std::string& text) const {
@@ -77,7 +77,8 @@ TEST_F(Play, EveryRouteAndExecutorLeavesTheSameBits) {
 
 TEST_F(Play, OutputsAreWhatWasAskedFor) {
     ASSERT_EQ(play(kScenario, "--size 96x64").status, 0);
-    const auto before = io::read_png_rgb8((folder_ / "before.png").string()), after = io::read_png_rgb8((folder_ / "after.png").string());
+    const auto before = io::read_png_rgb8((folder_ / "before.png").string()),
+               after = io::read_png_rgb8((folder_ / "after.png").string());
     ASSERT_TRUE(before && after);
     EXPECT_EQ(before->width, 96) << "the flag overrides the file";
     EXPECT_EQ(before->height, 64);
@@ -118,21 +119,26 @@ TEST_F(Play, AFailedStepIsNamedAndTheRunGoesOn) {
 }
 
 TEST_F(Play, AMillionRepeatsAreAMillionStamps) {
-    const std::string scenario = write("repeat.toml",
-                                       "[terrain]\nheights = \"flat:size=65,height=0\"\nexecutor = \"cpu\"\n[view]\nsize = [16, 16]\n"
-                                       "[[step]]\nstamp = { shape = \"disc\", centre = [32, 32], radius = 7, amplitude = 0.00000762939453125, map = \"coarse\", repeat = 1000000 }\n"
-                                       "[[step]]\nexpect = { height_at = [32, 32], value = 7.62939453125, within = 0 }\n");
+    const std::string scenario =
+        write("repeat.toml",
+              "[terrain]\nheights = \"flat:size=65,height=0\"\nexecutor = \"cpu\"\n[view]\nsize = [16, 16]\n"
+              "[[step]]\nstamp = { shape = \"disc\", centre = [32, 32], radius = 7, amplitude = 0.00000762939453125, "
+              "map = \"coarse\", repeat = 1000000 }\n"
+              "[[step]]\nexpect = { height_at = [32, 32], value = 7.62939453125, within = 0 }\n");
     const Ran ran = play(scenario, "");
     EXPECT_EQ(ran.status, 0) << ran.output;
 }
 
 TEST_F(Play, AddThenTheSameTakenAwayIsUntouchedGround) {
-    const std::string scenario = write("back.toml",
-                                       "[terrain]\nheights = \"ridged:seed=3,size=129,relief=30\"\n[view]\nsize = [16, 16]\n"
-                                       "[[step]]\nstamp = { shape = \"boot\", centre = [31.7, 40.2], radius = 3.3, amplitude = -0.37, rotation = 0.9 }\n"
-                                       "[[step]]\nwait = { frames = 1, dt = 0.01 }\n"
-                                       "[[step]]\nstamp = { shape = \"boot\", centre = [31.7, 40.2], radius = 3.3, amplitude = 0.37, rotation = 0.9 }\n"
-                                       "[[step]]\nexpect = { hash = { detail = \"2d06800538d394c2\" } }\n");
+    const std::string scenario =
+        write("back.toml",
+              "[terrain]\nheights = \"ridged:seed=3,size=129,relief=30\"\n[view]\nsize = [16, 16]\n"
+              "[[step]]\nstamp = { shape = \"boot\", centre = [31.7, 40.2], radius = 3.3, amplitude = -0.37, rotation "
+              "= 0.9 }\n"
+              "[[step]]\nwait = { frames = 1, dt = 0.01 }\n"
+              "[[step]]\nstamp = { shape = \"boot\", centre = [31.7, 40.2], radius = 3.3, amplitude = 0.37, rotation = "
+              "0.9 }\n"
+              "[[step]]\nexpect = { hash = { detail = \"2d06800538d394c2\" } }\n");
     for (const char* executor : {"cpu", "gpu"}) {
         const Ran ran = play(scenario, std::string("--executor ") + executor);
         EXPECT_EQ(ran.status, 0) << executor << ": " << ran.output;

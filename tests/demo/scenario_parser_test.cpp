@@ -12,7 +12,8 @@
 namespace tilth::demo {
 namespace {
 
-const ScenarioContext kContext{{"gaussian", "cone", "paraboloid", "cosine", "crater", "disc", "boot", "tyre"}, has_stat};
+const ScenarioContext kContext{{"gaussian", "cone", "paraboloid", "cosine", "crater", "disc", "boot", "tyre"},
+                               has_stat};
 
 std::optional<Scenario> parsed(const std::string& steps, Problems& problems,
                                const std::string& terrain = "heights = \"flat:size=65,height=0\"") {
@@ -33,7 +34,8 @@ TEST(ScenarioCorpus, EveryFileIsRefusedAtItsLineAndKey) {
         bool found = false;
         for (const Problem& p : problems.list()) found |= p.line == file.line && p.key == file.key && !p.text.empty();
         EXPECT_TRUE(found) << problems.report("FILE");
-        EXPECT_EQ(problems.report("FILE").find_first_of(std::string("\0\x1b\x7f", 3)), std::string::npos) << "control characters reach the terminal";
+        EXPECT_EQ(problems.report("FILE").find_first_of(std::string("\0\x1b\x7f", 3)), std::string::npos)
+            << "control characters reach the terminal";
     }
 }
 
@@ -44,7 +46,8 @@ TEST(ScenarioCorpus, CutAnywhereNeverCrashes) {
     ASSERT_GT(whole.str().size(), 100u);
     for (std::size_t bytes = 0; bytes < whole.str().size(); bytes += 7) {
         Problems problems;
-        const bool read = parse_scenario(std::string_view(whole.str()).substr(0, bytes), "cut.toml", kContext, problems).has_value();
+        const bool read =
+            parse_scenario(std::string_view(whole.str()).substr(0, bytes), "cut.toml", kContext, problems).has_value();
         EXPECT_EQ(read, problems.empty());
     }
 }
@@ -82,7 +85,8 @@ TEST(ReadScenario, AllProblemsAreReportedInTheFilesOrder) {
 }
 
 TEST(ReadScenario, LaterStepsAreKnownButRefused) {
-    for (const char* step : {"wave = {}", "shock = {}", "save = true", "reopen = true", "crash = true", "undo = 1", "redo = 1"}) {
+    for (const char* step :
+         {"wave = {}", "shock = {}", "save = true", "reopen = true", "crash = true", "undo = 1", "redo = 1"}) {
         Problems problems;
         EXPECT_FALSE(parsed("[[step]]\n" + std::string(step), problems));
         const std::string report = problems.report("F");
@@ -118,7 +122,8 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(stamp.request.key, 4294967295u);
     EXPECT_EQ(stamp.repeat, 1'000'000);
     const auto& random = std::get<RandomStep>(scenario->steps[4].action);
-    EXPECT_EQ(random.shapes, (std::vector<std::string>{"gaussian", "boot"})) << "in the library's order, not the file's";
+    EXPECT_EQ(random.shapes, (std::vector<std::string>{"gaussian", "boot"}))
+        << "in the library's order, not the file's";
     EXPECT_EQ(random.rules, (std::vector<StampRule>{StampRule::Add, StampRule::Min}));
     EXPECT_EQ(std::get<WaitStep>(scenario->steps[7].action).dt_s, (std::vector<double>{0.01, 0.02}));
     EXPECT_EQ(std::get<DumpStep>(scenario->steps[10].action).what, DumpWhat::Slope);
@@ -129,7 +134,8 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
 
 TEST(ReadScenario, AnAutoStampGoesToTheCoarseMapFromEightPostsOn) {
     Problems below, at;
-    const std::string stamp = "[[step]]\nstamp = { shape = \"disc\", centre = [9, 9], amplitude = 1, rule = \"set\", radius = ";
+    const std::string stamp =
+        "[[step]]\nstamp = { shape = \"disc\", centre = [9, 9], amplitude = 1, rule = \"set\", radius = ";
     EXPECT_TRUE(parsed("spacing = 2\n" + stamp + "15.999 }", below)) << below.report("F");
     EXPECT_FALSE(parsed("spacing = 2\n" + stamp + "16 }", at)) << "a coarse set needs a level";
     EXPECT_EQ(at.list().at(0).key, "level");

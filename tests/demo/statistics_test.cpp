@@ -36,16 +36,19 @@ RunReport some_report() {
 
 TEST(RunReport, HasEveryKeyOfTheForm) {
     const Json json = to_json(some_report());
-    std::vector<std::string> paths{"tilth", "context.route", "context.renderer", "context.gl", "context.executor",
-                                   "hash.coarse", "hash.detail", "frames.count", "resident.tiles", "resident.gpu_bytes",
-                                   "resident.cpu_bytes", "queries", "failures"};
+    std::vector<std::string> paths{
+        "tilth",       "context.route", "context.renderer", "context.gl",         "context.executor",   "hash.coarse",
+        "hash.detail", "frames.count",  "resident.tiles",   "resident.gpu_bytes", "resident.cpu_bytes", "queries",
+        "failures"};
     for (const char* times : {"cpu_ms", "wall_ms"})
-        for (const char* share : {"p50", "p95", "p99", "max"}) paths.push_back(std::string("frames.") + times + "." + share);
+        for (const char* share : {"p50", "p95", "p99", "max"})
+            paths.push_back(std::string("frames.") + times + "." + share);
     for (const std::string part : {"total.", "last_frame."}) {
-        for (const char* key : {"passes", "draws", "texels", "bytes", "programs", "saturated"}) paths.push_back(part + "deform." + key);
+        for (const char* key : {"passes", "draws", "texels", "bytes", "programs", "saturated"})
+            paths.push_back(part + "deform." + key);
         for (const char* key : {"derive", "render.primitives", "cache.loads", "cache.evictions", "cache.rescues",
-                                "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes", "effects.wave.texels",
-                                "effects.wave.bytes", "effects.wave.programs"})
+                                "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes",
+                                "effects.wave.texels", "effects.wave.bytes", "effects.wave.programs"})
             paths.push_back(part + key);
     }
     for (const std::string& path : paths) EXPECT_TRUE(value_at(json, path)) << path;
@@ -61,7 +64,8 @@ TEST(StatPath, LeadsThroughTablesAndLists) {
     EXPECT_EQ(*value_at(json, "total.deform.passes"), 12);
     EXPECT_EQ(*value_at(json, "last_frame.transfer.bytes_up"), 34);
     EXPECT_EQ(*value_at(json, "queries.0.1"), 9.75);
-    for (const char* wrong : {"", ".", "total.", "total..passes", "total.deform.passes.more", "queries.2", "queries.-1", "queries.0.x", "nothing"})
+    for (const char* wrong : {"", ".", "total.", "total..passes", "total.deform.passes.more", "queries.2", "queries.-1",
+                              "queries.0.x", "nothing"})
         EXPECT_FALSE(value_at(json, wrong)) << wrong;
 }
 
@@ -93,7 +97,8 @@ TEST(Expect, HashesAreComparedOneByOne) {
 }
 
 ExpectStat stat(std::optional<double> equals, std::optional<double> at_most, std::optional<double> at_least) {
-    return {.path = "total.deform.passes", .equals = equals, .at_most = at_most, .at_least = at_least, .equals_text = {}};
+    return {
+        .path = "total.deform.passes", .equals = equals, .at_most = at_most, .at_least = at_least, .equals_text = {}};
 }
 
 TEST(Expect, StatsEqualOrStayWithinBounds) {

@@ -19,7 +19,7 @@ TEST(WalkPlan, StepsAreEqualAndTheLastOneEndsAtTheGoal) {
 }
 
 TEST(WalkPlan, RoundingMakesNoExtraFrame) {
-    EXPECT_EQ(plan_walk({0, 0}, walk_to({0.3, 0}, 1.0, 0.1)).frames, 3);      // 0.1 * 3 > 0.3 in doubles
+    EXPECT_EQ(plan_walk({0, 0}, walk_to({0.3, 0}, 1.0, 0.1)).frames, 3);             // 0.1 * 3 > 0.3 in doubles
     EXPECT_EQ(plan_walk({0, 0}, walk_to({136.8, 0}, 2.28, 1.0 / 60)).frames, 3600);  // one minute
 }
 

@@ -105,7 +105,12 @@ TEST(FlyCamera, ForwardGoesWhereItLooksAndNeverOverTheTop) {
 
 TEST(FlyCamera, RaysThroughThePicture) {
     const FlyCamera camera = FlyCamera::looking({}, {0, 0, -1});
-    const View view{.eye = {}, .forward = camera.forward(), .up = {0, 1, 0}, .fov_y_rad = std::numbers::pi / 2, .width = 200, .height = 100};
+    const View view{.eye = {},
+                    .forward = camera.forward(),
+                    .up = {0, 1, 0},
+                    .fov_y_rad = std::numbers::pi / 2,
+                    .width = 200,
+                    .height = 100};
     const auto ray = [&](double x, double y) { return ray_through(view, camera.right(), x, y); };
     EXPECT_NEAR(ray(100, 50).x, 0, 1e-12);
     EXPECT_NEAR(ray(100, 50).z, -1, 1e-12);

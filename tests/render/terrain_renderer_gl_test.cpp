@@ -212,8 +212,14 @@ TEST_F(TerrainRendererGlTest, CullingChangesNoPixel) {
         scene.renderer().debug() = {};
         const std::vector<std::uint8_t> with = scene.picture(target, view);
         culled += scene.renderer().last_counts().culled_blocks;
-        scene.renderer().debug() = {.cull_blocks = false, .cull_back_faces = false};
+        scene.renderer().debug() = {.cull_blocks = false};
         EXPECT_EQ(difference_of(with, scene.picture(target, view)).max, 0) << "view " << i;
+        // On an outline, front and back may have the same depth; elsewhere a back lies behind a front.
+        scene.renderer().debug() = {.cull_back_faces = false};
+        const std::vector<std::uint8_t> backs = scene.picture(target, view);
+        int differing = 0;
+        for (std::size_t p = 0; p < with.size(); p += 4) differing += std::abs(with[p] - backs[p]) > 1;
+        EXPECT_LE(differing, 5) << "view " << i;
     }
     EXPECT_GT(culled, 100u);
 }
@@ -245,7 +251,7 @@ TEST_F(TerrainRendererGlTest, MirroredWorldReflects) {
     EXPECT_EQ(scene.renderer().last_post().x, (1 << 20) - 1);
     const double period = 512;
     Shading shading;
-    shading.to_light = {0, 1, 0.4f};  // symmetric in x
+    shading.to_light = {0.9f, 0.6f, 0.4f};
     const View view = scene.view_from(100.25, 120.5, 9, {0.8, -0.3, 0.5});
     const std::vector<std::uint8_t> original = scene.picture(target, view, shading);
     // Whole periods away: the same picture, but for where windows snap (every 2^l posts: a multiple of 512 for all).
@@ -257,6 +263,7 @@ TEST_F(TerrainRendererGlTest, MirroredWorldReflects) {
     reflected.eye.x = 300 * period - view.eye.x;
     reflected.eye.z += 300 * period;
     reflected.forward.x = -view.forward.x;
+    shading.to_light.x = -shading.to_light.x;
     std::vector<std::uint8_t> picture = scene.picture(target, reflected, shading), flipped = picture;
     for (int y = 0; y < 180; ++y)
         for (int x = 0; x < 320; ++x)

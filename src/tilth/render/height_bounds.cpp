@@ -132,19 +132,27 @@ std::uint32_t HeightBounds::level_error(std::int32_t level, const TexelRect& ask
 
 void HeightBounds::refresh_errors(const TexelRect& changed, const HeightField& field) {
     const std::int32_t last_x = width_ - 1, last_z = depth_ - 1;
+    const auto height = [&](std::int32_t x, std::int32_t z) { return std::int64_t{field.row(z)[x]}; };
     for (std::int32_t level = 1; level <= kErrorLevels; ++level) {
         ErrorLevel& stored = errors_[static_cast<std::size_t>(level - 1)];
         // A changed post moves the surface of a level within one unit about it.
-        const TexelRect cells = error_cells(level, intersection(expanded(changed, 1 << level), rect()));
+        const TexelRect moved = intersection(expanded(changed, 1 << level), rect());
+        const TexelRect cells = error_cells(level, moved);
         const std::int32_t posts = kErrorCellUnits << level, step = 1 << (level - 1);
+        const auto next_vertex = [&](std::int32_t p) { return (p + step - 1) / step * step; };
         for (std::int32_t cz = cells.min.z; cz < cells.max.z; ++cz) {
             for (std::int32_t cx = cells.min.x; cx < cells.max.x; ++cx) {
-                std::int64_t error = 0;
-                const auto height = [&](std::int32_t x, std::int32_t z) { return std::int64_t{field.row(z)[x]}; };
-                for (std::int32_t z = cz * posts; z < std::min((cz + 1) * posts, depth_); z += step) {
-                    const std::int32_t z0 = shared::coarse_low(z, level - 1, last_z),
-                                       z1 = shared::coarse_high(z, level - 1, last_z);
-                    for (std::int32_t x = cx * posts; x < std::min((cx + 1) * posts, width_); x += step) {
+                const TexelRect cell =
+                    intersection({{cx * posts, cz * posts}, {(cx + 1) * posts, (cz + 1) * posts}}, rect());
+                const TexelRect visited = intersection(cell, moved);
+                std::uint32_t& stored_error =
+                    stored.errors[static_cast<std::size_t>(cz) * static_cast<std::size_t>(stored.width) +
+                                  static_cast<std::size_t>(cx)];
+                std::int64_t error = visited == cell ? 0 : stored_error;
+                for (std::int32_t z = next_vertex(visited.min.z); z < visited.max.z; z += step) {
+                    const std::int32_t z0 = shared::coarse_low(z, level - 1, last_z);
+                    const std::int32_t z1 = shared::coarse_high(z, level - 1, last_z);
+                    for (std::int32_t x = next_vertex(visited.min.x); x < visited.max.x; x += step) {
                         const std::int32_t x0 = shared::coarse_low(x, level - 1, last_x);
                         const std::int32_t x1 = shared::coarse_high(x, level - 1, last_x);
                         // Halfway on an edge or on the diagonal: the mean of its ends (nearly so in a last, narrow
@@ -153,7 +161,7 @@ void HeightBounds::refresh_errors(const TexelRect& changed, const HeightField& f
                         error = std::max(error, std::abs(height(x, z) - base));
                     }
                 }
-                stored.errors[static_cast<std::size_t>(cz * stored.width + cx)] = static_cast<std::uint32_t>(error);
+                stored_error = static_cast<std::uint32_t>(error);
             }
         }
     }

@@ -30,7 +30,8 @@ public:
     /// Reads the whole field twice (a few ns a post).
     explicit HeightBounds(const HeightField& field);
 
-    /// Posts in `changed` have new codes in `field`, which is current: recomputes the blocks that it touches. Exact.
+    /// Posts in `changed` have new codes in `field`, which is current: recomputes the ranges of the blocks that it
+    /// touches, exactly. Level errors only grow, but where a whole cell changed: so the cost is that of the rectangle.
     void widen(const TexelRect& changed, const HeightField& field);
 
     /// Posts in `changed` have new codes between `min_code` and `max_code`, which only the GPU knows. Level errors grow

@@ -30,13 +30,13 @@ struct View {
 /// Light, fog and tint. Colours are linear RGB.
 struct Shading {
     Vec3f to_light{0.5f, 0.62f, 0.6f};  ///< direction towards the light, normalised when used
-    float ambient = 0.40f, diffuse = 0.80f, specular = 0.05f;
+    float ambient = 0.42f, diffuse = 0.82f, specular = 0.05f;
     float specular_exponent = 24.0f;
     Vec3f fog_colour{0.6f, 0.6f, 0.6f};        ///< usually the clear colour
     double fog_density = 0.0;                  ///< per metre; exp(-(density d)^2)
-    Vec3f low_colour{0.27f, 0.36f, 0.16f};     ///< flat ground at the bottom of `tint_range`
-    Vec3f high_colour{0.70f, 0.66f, 0.58f};    ///< flat ground at its top
-    Vec3f steep_colour{0.46f, 0.41f, 0.36f};   ///< ground steeper than about 45 degrees
+    Vec3f low_colour{0.36f, 0.46f, 0.22f};     ///< flat ground at the bottom of `tint_range`
+    Vec3f high_colour{0.72f, 0.68f, 0.60f};    ///< flat ground at its top
+    Vec3f steep_colour{0.53f, 0.48f, 0.42f};   ///< ground steeper than about 45 degrees
     double tint_low_m = 0, tint_high_m = 100;  ///< heights between which low turns to high, metres
 };
 
@@ -49,8 +49,7 @@ struct BrushCursor {
 
 /// The geometry clipmap: levels of n x n vertices, nested round the viewer, spacing doubling outwards.
 struct ClipmapSettings {
-    std::int32_t n =
-        255;  ///< vertices a side, 2^k - 1, 15..1023; triangles grow as n^2, screen error falls as n^-1.1..-1.8
+    std::int32_t n = 255;  ///< vertices a side, 2^k - 1, 15..1023; triangles grow as n^2, error falls as n^-1.1..-1.8
     std::int32_t levels = 5;  ///< 1..16; level l has spacing 2^l posts
     double blend = 0.1;  ///< share of n over which a level morphs into the next coarser, 0.02..0.25; see check_clipmap
     /// Ground whose next finer level would move a vertex by more than this on the screen is drawn one level finer, four
