@@ -9,7 +9,7 @@ namespace tilth::demo {
 
 std::optional<std::string> unmet(const ExpectHeight& expected, double height_m) {
     const double off_m = std::abs(height_m - expected.value_m);
-    if (off_m < expected.within_m) return {};
+    if (off_m <= expected.within_m) return {};
     return text("expect: height at (", expected.at.x, ", ", expected.at.z, ") is ", height_m, ", expected ",
                 expected.value_m, " within ", expected.within_m, "; off by ", off_m);
 }

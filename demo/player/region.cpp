@@ -7,7 +7,7 @@ namespace tilth::demo {
 
 namespace {
 
-constexpr double kSlack = 0;
+constexpr double kSlack = 1e-6;
 
 std::int32_t clamped(double index, std::int32_t size) {
     return static_cast<std::int32_t>(std::clamp(index, 0.0, double(size)));

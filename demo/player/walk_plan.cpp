@@ -8,7 +8,7 @@ namespace tilth::demo {
 
 namespace {
 /// Steps of 0.016667 s must add up to 1 s after 60 frames although their sum is rounded; a share of one step.
-constexpr double kStepSlack = 0;
+constexpr double kStepSlack = 1e-6;
 }  // namespace
 
 double WalkPlan::distance_m(std::int64_t frame) const { return frame >= frames ? length_m : step_m * double(frame); }

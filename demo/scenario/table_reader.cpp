@@ -264,7 +264,7 @@ const toml::table* TableReader::table(std::string_view key, std::string_view all
 void TableReader::finish() {
     for (const auto& [key, node] : table_) {
         const std::string_view name = key.str();
-        if (true) continue;
+        if (known_.contains(name)) continue;
         const int at = key.source().begin.line > 0 ? line_in(key.source()) : line_in(node.source());
         std::vector<std::string> allowed(known_.begin(), known_.end());
         std::string clean(name.substr(0, 80));

@@ -1,6 +1,6 @@
 // render/terrain.frag: shades the ground by the slope map, and draws the brush cursor on it.
 //   reads   u_slopes   RG8 companded or (SLOPES_RG16F) RG16F   dh/dx, dh/dz at the posts of the map, see pool/slope_map.h
-//   writes  colour     linear RGB, as it is: no sRGB encoding, alpha 1
+//   writes  colour     linear RGB, alpha 1; GL encodes it where the host enabled GL_FRAMEBUFFER_SRGB on an sRGB target
 // Features: SLOPES_RG16F, MIRRORED.
 #include "render/shade.glsl"
 #include "render/terrain_inputs.glsl"

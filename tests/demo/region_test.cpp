@@ -25,11 +25,12 @@ TEST(Region, ItIsClippedToTheMap) {
     EXPECT_TRUE(texels_in(kPosts, {{{104.5, 202}, {105.5, 206}}}).empty()) << "between two posts there is none";
 }
 
-TEST(Region, ThirdsOfAPostAreNotLostToRounding) {
-    const GridSpec thirds{.origin = {0, 0}, .spacing_m = 1.0 / 3, .width = 4000, .depth = 4000};
+TEST(Region, TenthsOfAMetreAreNotLostToRounding) {
+    const GridSpec tenths{
+        .origin = {0, 0}, .spacing_m = 0.1, .width = 4000, .depth = 4000};  // 0.3 / 0.1 < 3 in doubles
     for (int post = 0; post < 1300; ++post) {
-        const TexelRect rect = texels_in(thirds, {{{double(post), 0}, {double(post), 1}}});
-        ASSERT_EQ(rect, (TexelRect{{3 * post, 0}, {3 * post + 1, 4}})) << post;
+        const TexelRect rect = texels_in(tenths, {{{post / 10.0, 0}, {post / 10.0, 0.3}}});
+        ASSERT_EQ(rect, (TexelRect{{post, 0}, {post + 1, 4}})) << post;
     }
 }
 

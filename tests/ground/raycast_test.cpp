@@ -134,6 +134,9 @@ TEST(Raycast, VerticalRays) {
     EXPECT_NEAR(raycast(*ground, {4, 15, 4}, {0, -2, 0}, 5.001).value_or(-1), 5, 1e-12);
     EXPECT_FALSE(raycast(*ground, {4, 15, 4}, {0, -1, 0}, 4.999));
     EXPECT_FALSE(raycast(*ground, {4, 15, 4}, {0, 1, 0}, 100));
+    EXPECT_NEAR(raycast(*ground, {4, 15, 4}, {0, -1, 0}, kInf).value_or(-1), 5, 1e-12);
+    EXPECT_NEAR(raycast(*ground, {4, 15, 4}, {1e-320, -1, 0}, kInf).value_or(-1), 5, 1e-12);
+    EXPECT_FALSE(raycast(*ground, {4, 15, 4}, {0, 1, 0}, kInf));
     EXPECT_FALSE(raycast(*ground, {-0.001, 15, 4}, {0, -1, 0}, 100));  // beside the map
     EXPECT_NEAR(raycast(*ground, {0, 15, 8}, {0, -1, 0}, 100).value_or(-1), 5, 1e-12);
     EXPECT_NEAR(raycast(*ground, {4, 15, 4}, {0, -1, 0}, 1e9).value_or(-1), 5, 1e-6);

@@ -8,6 +8,7 @@ namespace tilth {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kFurthest = 1e12;  // metres: beyond every map, and finite, so that a vertical ray has an end
 
 /// The places where position(t) = start + slope t crosses an integer, in order of t.
 class Crossings {
@@ -53,7 +54,7 @@ std::optional<double> raycast(const Ground& ground, const Vec3d& from, const Vec
     const GridSpec& grid = ground.map(fine ? MapKind::Detail : MapKind::Coarse).grid;
     const PostPos start = grid.posts({from.x, from.z});
     const double slope_x = d.x / grid.spacing_m, slope_z = d.z / grid.spacing_m;
-    double begin = 0, end = max_m;
+    double begin = 0, end = std::min(max_m, kFurthest);
     clip(start.x, slope_x, grid.width - 1.0, begin, end);
     clip(start.z, slope_z, grid.depth - 1.0, begin, end);
     if (!(begin <= end)) return std::nullopt;

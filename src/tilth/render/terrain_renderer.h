@@ -46,7 +46,8 @@ struct RenderCounts {
 /// (`clipmap_refinement.h`) and without cracks, shaded per fragment.
 ///
 /// One mesh of 33 x 33 vertices without a vertex buffer serves every block; the vertex shader reads the height planes.
-/// Colours are linear RGB, written as they are; the target is an RGBA8 (or float) framebuffer without sRGB encoding.
+/// Colours are linear RGB. Whether they are encoded is the host's choice and left as it is: with GL_FRAMEBUFFER_SRGB
+/// enabled and an sRGB target GL encodes them, else they are stored as they are.
 /// Cost: two draws, at most (n / 32)^2 * levels blocks of 2 048 triangles (four times as many where
 /// all ground is rough), 24 bytes streamed for each.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`; draws into the bound draw
@@ -67,6 +68,8 @@ public:
 
     [[nodiscard]] RendererDebug& debug() { return debug_; }
     [[nodiscard]] const RenderCounts& last_counts() const { return counts_; }
+    /// The blocks and stitches of the last `draw`, in the order in which they were drawn.
+    [[nodiscard]] const DrawnBlocks& last_drawn() const { return drawn_; }
     [[nodiscard]] const ClipmapSettings& settings() const { return settings_; }
     /// The last post of the drawn world on each axis.
     [[nodiscard]] Texel last_post() const { return last_post_; }
