@@ -1,5 +1,5 @@
-// What does a stamp cost among many of its frame? 1 to 1 000 stamps of 16 texels' radius a frame, scattered over 1 024 x
-// 1 024 texels, with slopes.
+// What does a stamp cost among many of its frame? 1 to 1 000 stamps of 16 texels' radius a frame, scattered over 1 024
+// x 1 024 texels, with slopes.
 #include "support/bench_map.h"
 
 namespace tilth::bench {

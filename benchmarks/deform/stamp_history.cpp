@@ -1,5 +1,5 @@
-// Does ground that was stamped before cost more to stamp? A stamp of 32 texels' radius where 0, 10^3 and 10^6 stamps lie
-// already, against the same stamp on an untouched map, taken in turn. The ratio is to be 1.
+// Does ground that was stamped before cost more to stamp? A stamp of 32 texels' radius where 0, 10^3 and 10^6 stamps
+// lie already, against the same stamp on an untouched map, taken in turn. The ratio is to be 1.
 #include "support/bench_map.h"
 
 namespace tilth::bench {
@@ -10,7 +10,8 @@ void stamp_after(benchmark::State& state, Column column) {
     const PreparedStamp up = map.stamp(32, 256.25, 256.75);
     const PreparedStamp down = map.stamp(32, 256.25, 256.75, BuiltinProfile::Gaussian, StampRule::Add, true);
     // The history: small stamps at and round the same place, up and down in turn.
-    const PreparedStamp dab[] = {map.stamp(3, 256.25, 256.75), map.stamp(3, 257.5, 256.75, BuiltinProfile::Gaussian, StampRule::Add, true)};
+    const PreparedStamp dab[] = {map.stamp(3, 256.25, 256.75),
+                                 map.stamp(3, 257.5, 256.75, BuiltinProfile::Gaussian, StampRule::Add, true)};
     for (std::int64_t i = 0; i < state.range(0); ++i) apply_stamp(dab[i & 1], map.field);
     map.planes.upload(map.field, map.field.rect(), map.transfer);
     for (BenchMap* each : {&map, &fresh}) {

@@ -71,8 +71,8 @@ void sizes(benchmark::internal::Benchmark* bench) {
 }
 void once(benchmark::internal::Benchmark* bench) { bench->UseManualTime()->Iterations(1); }
 
-#define STAMP_RADIUS(name, column, precision)                                          \
-    BENCHMARK_CAPTURE(stamp_radius, name, column, precision)->Apply(sizes);            \
+#define STAMP_RADIUS(name, column, precision)                               \
+    BENCHMARK_CAPTURE(stamp_radius, name, column, precision)->Apply(sizes); \
     BENCHMARK_CAPTURE(stamp_radius_fit, name, column, precision)->Apply(once)
 STAMP_RADIUS(gpu_bits32, Column::Gpu, HeightPrecision::bits32);
 STAMP_RADIUS(gpu_bits16, Column::Gpu, HeightPrecision::bits16);

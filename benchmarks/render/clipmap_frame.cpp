@@ -1,6 +1,7 @@
-// What does the clipmap cost beyond its triangles? A frame of it against a plain indexed mesh of the very same triangles
-// (vertex buffer, no height planes, no morph, compact vertices block by block) with the same fragment shader, in turn, by
-// resolution. The ratio is to be at most 1.3. Eye 2 m above ridged ground of 1 025 x 1 025 posts, n = 255, 5 levels.
+// What does the clipmap cost beyond its triangles? A frame of it against a plain indexed mesh of the very same
+// triangles (vertex buffer, no height planes, no morph, compact vertices block by block) with the same fragment shader,
+// in turn, by resolution. The ratio is to be at most 1.3. Eye 2 m above ridged ground of 1 025 x 1 025 posts, n = 255,
+// 5 levels.
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -32,7 +33,8 @@ struct Scene {
         gl::StageStats stage;
         planes.upload(field, field.rect(), transfer);
         const TexelRect whole = field.rect();
-        upload_slopes({&whole, 1}, field, {SlopeStencil::Central, codec.code_quantum_m(), 1.0}, slopes, stage, stage, transfer);
+        upload_slopes({&whole, 1}, field, {SlopeStencil::Central, codec.code_quantum_m(), 1.0}, slopes, stage, stage,
+                      transfer);
     }
     static HeightField codes_of(const HeightSource& source, const HeightCodec& codec) {
         HeightField made(kPosts, kPosts);
@@ -74,7 +76,8 @@ public:
                 for (std::int32_t i = 0; i < kVertices; ++i) {
                     const std::int32_t x = std::min((b.x + std::min(i, b.width)) << b.level, kPosts - 1);
                     const std::int32_t z = std::min((b.z + std::min(j, b.depth)) << b.level, kPosts - 1);
-                    const float y = drawn.base_level == b.level ? twin.vertex_m(b.level, x, z) : twin.refined_m(drawn.base_level, x, z);
+                    const float y = drawn.base_level == b.level ? twin.vertex_m(b.level, x, z)
+                                                                : twin.refined_m(drawn.base_level, x, z);
                     vertices.push_back({static_cast<float>(x - camera.base_x) - camera.fraction_x_m, y,
                                         static_cast<float>(z - camera.base_z) - camera.fraction_z_m, 0.0f,
                                         static_cast<float>(drawn.base_level)});
@@ -118,7 +121,8 @@ private:
         program_.bind();
         program_.sampler("u_slopes", 0);
         program_.set_mat4(program_.uniform("u_clip_from_relative"), camera.clip_from_relative.data());
-        program_.set(program_.uniform("u_slopes_size_posts"), f(scene.slopes.padded_width()), f(scene.slopes.padded_depth()));
+        program_.set(program_.uniform("u_slopes_size_posts"), f(scene.slopes.padded_width()),
+                     f(scene.slopes.padded_depth()));
         program_.set(program_.uniform("u_slopes_last_level"), SlopeMap::kLevels - 1);
         program_.set(program_.uniform("u_base_stored_post"), f(camera.base_x), f(camera.base_z));
         program_.set(program_.uniform("u_stored_posts"), kPosts, kPosts);
@@ -151,8 +155,13 @@ void clipmap_frame(benchmark::State& state) {
     target.attach(colours, 0, &depth);
 
     const double eye_y = s.codec.height_m(s.field.code({512, 512})) + 2;
-    const View view{.eye = {512.25, eye_y, 512.5}, .forward = {0.8, -0.05, 0.6}, .fov_y_rad = std::numbers::pi / 3,
-                    .width = width, .height = height, .near_m = 0.1, .far_m = 5000};
+    const View view{.eye = {512.25, eye_y, 512.5},
+                    .forward = {0.8, -0.05, 0.6},
+                    .fov_y_rad = std::numbers::pi / 3,
+                    .width = width,
+                    .height = height,
+                    .near_m = 0.1,
+                    .far_m = 5000};
     const Camera camera = value(make_camera(view, s.info.grid, s.codec));
     const gl::Api& gl = device().gl();
     const auto clear = [&] {
@@ -189,8 +198,14 @@ void clipmap_frame(benchmark::State& state) {
     state.counters["ns_per_pixel"] = pair.subject().p50 * 1e6 / (static_cast<double>(width) * height);
     report_hash(state, hash);
 }
-BENCHMARK(clipmap_frame)->Args({1280, 720})->Args({1600, 900})->Args({1920, 1080})
-    ->ArgNames({"width", "height"})->UseManualTime()->Unit(benchmark::kMillisecond)->Iterations(15);
+BENCHMARK(clipmap_frame)
+    ->Args({1280, 720})
+    ->Args({1600, 900})
+    ->Args({1920, 1080})
+    ->ArgNames({"width", "height"})
+    ->UseManualTime()
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(15);
 
 }  // namespace
 }  // namespace tilth::bench

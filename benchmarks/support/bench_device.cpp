@@ -42,7 +42,9 @@ gl::ShaderLibrary& shaders() { return *shared().shaders; }
 Percentiles percentiles_of(std::vector<double> samples) {
     if (samples.empty()) return {};
     std::sort(samples.begin(), samples.end());
-    const auto at = [&](double share) { return samples[static_cast<std::size_t>(share * static_cast<double>(samples.size() - 1))]; };
+    const auto at = [&](double share) {
+        return samples[static_cast<std::size_t>(share * static_cast<double>(samples.size() - 1))];
+    };
     return {at(0.50), at(0.95)};
 }
 

@@ -31,12 +31,20 @@ public:
         planes.upload(field, field.rect(), transfer);
     }
 
-    /// A stamp of `radius` texels at (x, z) posts; a quantum of the high plane high, so that 10^6 of them fit the range.
-    [[nodiscard]] PreparedStamp stamp(double radius, double x, double z, BuiltinProfile profile = BuiltinProfile::Gaussian,
+    /// A stamp of `radius` texels at (x, z) posts; a quantum of the high plane high, so that 10^6 of them fit the
+    /// range.
+    [[nodiscard]] PreparedStamp stamp(double radius, double x, double z,
+                                      BuiltinProfile profile = BuiltinProfile::Gaussian,
                                       StampRule rule = StampRule::Add, bool negative = false) const {
-        const StampRecord record{.centre_x = static_cast<std::int64_t>(x * 16777216), .centre_z = static_cast<std::int64_t>(z * 16777216),
-                                 .shape = static_cast<std::uint32_t>(profile), .radius = static_cast<std::uint32_t>(radius * 1024),
-                                 .amplitude = 65536, .level = kMidCode, .key = 1, .rule = rule, .negative = negative ? std::uint8_t{1} : std::uint8_t{0}};
+        const StampRecord record{.centre_x = static_cast<std::int64_t>(x * 16777216),
+                                 .centre_z = static_cast<std::int64_t>(z * 16777216),
+                                 .shape = static_cast<std::uint32_t>(profile),
+                                 .radius = static_cast<std::uint32_t>(radius * 1024),
+                                 .amplitude = 65536,
+                                 .level = kMidCode,
+                                 .key = 1,
+                                 .rule = rule,
+                                 .negative = negative ? std::uint8_t{1} : std::uint8_t{0}};
         return prepare(record, map, shapes);
     }
 

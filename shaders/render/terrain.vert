@@ -1,7 +1,12 @@
 // render/terrain.vert: a vertex of a clipmap block or of a stitch, from the height planes.
 //   reads  u_high_plane, u_low_plane   R16 unorm   height code, texel (i, j) = post (i, j); BITS16: no low plane
 //   gives  metres relative to the eye, the share of the next coarser level, the level
-// Features: BITS16, MIRRORED (the map is repeated by reflection).
+// Features: BITS16, MIRRORED (the map is repeated by reflection), and at most one of
+//   ALL_OWN       blocks in which no vertex morphs and none is refined: one fetch of the planes a vertex
+//   ALL_MORPHING  blocks that are not refined
+//   ALL_REFINED   blocks that are
+// which leave out what their blocks do not need; software GL, and a GPU whose vertices diverge, would pay for it. They
+// give the bits that the general program gives.
 //
 // Every level computes a position by the same expression from the post's integer index, so a vertex that two levels (or
 // a block and a stitch) share is the same to the last bit. Codes and posts are subtracted as integers: nothing large
@@ -108,9 +113,20 @@ void main() {
     ivec2 post = min((block_origin + corner) << block_levels.x, u_last_post);
     int level = block_levels.y;
     vec2 at_m = ground_m(post.x, post.y);
-    float height = block_levels.x == level ? vertex_m(level, post.x, post.y) : refined_m(level, post.x, post.y);
-    v_position_m = vec3(at_m.x, height, at_m.y);
+#if defined(ALL_OWN)
+    float height = height_m(post.x, post.y);
+    v_alpha = 0.0;
+#else
     v_alpha = alpha_at(level, post.x, post.y);
+#if defined(ALL_MORPHING)
+    float height = vertex_m(level, post.x, post.y);
+#elif defined(ALL_REFINED)
+    float height = refined_m(level, post.x, post.y);
+#else
+    float height = block_levels.x == level ? vertex_m(level, post.x, post.y) : refined_m(level, post.x, post.y);
+#endif
+#endif
+    v_position_m = vec3(at_m.x, height, at_m.y);
     v_level = level;
     gl_Position = u_clip_from_relative * vec4(v_position_m, 1.0);
 }

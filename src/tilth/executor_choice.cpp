@@ -41,7 +41,8 @@ Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& s
                           .codec = HeightCodec::for_range(0, 100),
                           .precision = precision};
     const std::int64_t middle = std::int64_t{kMapPosts / 2} << 24;
-    const StampRecord record{.centre_x = middle, .centre_z = middle, .radius = 32 * 1024, .amplitude = 1u << 20, .key = 1};
+    const StampRecord record{
+        .centre_x = middle, .centre_z = middle, .radius = 32 * 1024, .amplitude = 1u << 20, .key = 1};
     const PreparedStamp stamp = prepare(record, map, shapes);
 
     HeightField field(kMapPosts, kMapPosts);

@@ -25,8 +25,8 @@ struct GpuStages {
     std::unique_ptr<gl::Device> device;
     std::unique_ptr<gl::ShaderLibrary> shaders;
     std::optional<HeightPlanes> planes;
-    std::optional<Deformer> deformer;      ///< executor gpu only
-    std::optional<SlopePass> slope_pass;   ///< executor gpu only
+    std::optional<Deformer> deformer;     ///< executor gpu only
+    std::optional<SlopePass> slope_pass;  ///< executor gpu only
     std::optional<SlopeMap> slopes;
     std::optional<TerrainRenderer> renderer;
 };
@@ -41,8 +41,8 @@ struct Terrain::Impl {
     std::optional<GpuStages> gpu;
     std::optional<HeightBounds> bounds;
     std::vector<StampRecord> queue;
-    std::vector<TexelRect> newer_on_gpu;   ///< where the CPU's coarse codes are out of date
-    gl::FrameStats frame, before;          ///< the current frame; all frames before it
+    std::vector<TexelRect> newer_on_gpu;  ///< where the CPU's coarse codes are out of date
+    gl::FrameStats frame, before;         ///< the current frame; all frames before it
 
     [[nodiscard]] SlopeSettings slope_settings() const {
         const MapGeometry& map = ground->map(MapKind::Coarse);
@@ -55,7 +55,8 @@ struct Terrain::Impl {
 
     Result<void> apply_queue(gl::FrameStats& stats);
     void apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
-    Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
+    Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
+                              std::vector<TexelRect>& changed);
     void derive(std::span<const TexelRect> changed, gl::FrameStats& stats);
     void read_back(gl::FrameStats& stats);
 };
@@ -105,7 +106,8 @@ Result<void> Terrain::Impl::create_stages() {
         Result<Deformer> deformer = Deformer::create(device, *gpu->shaders);
         if (!deformer) return deformer.error();
         gpu->deformer = std::move(*deformer);
-        Result<SlopePass> pass = SlopePass::create(device, *gpu->shaders, map.precision, settings.slopes, slope_settings());
+        Result<SlopePass> pass =
+            SlopePass::create(device, *gpu->shaders, map.precision, settings.slopes, slope_settings());
         if (!pass) return pass.error();
         gpu->slope_pass = std::move(*pass);
         ++before.derive.programs;
@@ -141,7 +143,8 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
     if (get_proc != nullptr) {
         if (const Result<void> created = impl->create_gpu(get_proc); !created) return created.error();
     } else if (settings.executor == ExecutorKind::Gpu) {
-        return Error{ErrorCode::Unsupported, "executor: gpu needs a GL context; pass its get-proc function, or take cpu"};
+        return Error{ErrorCode::Unsupported,
+                     "executor: gpu needs a GL context; pass its get-proc function, or take cpu"};
     }
     return std::unique_ptr<Terrain>(new Terrain(std::move(impl)));
 }
@@ -247,7 +250,8 @@ void Terrain::Impl::derive(std::span<const TexelRect> changed, gl::FrameStats& s
     if (gpu->slope_pass)
         gpu->slope_pass->run(changed, *gpu->planes, *gpu->slopes, stats.derive, stats.mips);
     else
-        upload_slopes(changed, ground->coarse(), slope_settings(), *gpu->slopes, stats.derive, stats.mips, stats.transfer);
+        upload_slopes(changed, ground->coarse(), slope_settings(), *gpu->slopes, stats.derive, stats.mips,
+                      stats.transfer);
 }
 
 void Terrain::Impl::read_back(gl::FrameStats& stats) {
@@ -307,7 +311,9 @@ StateHash Terrain::hash() {
 ExecutorKind Terrain::executor() const { return impl_->executor; }
 const std::string& Terrain::executor_reason() const { return impl_->executor_reason; }
 
-std::string Terrain::renderer() const { return impl_->gpu ? impl_->gpu->device->capabilities().renderer : std::string(); }
+std::string Terrain::renderer() const {
+    return impl_->gpu ? impl_->gpu->device->capabilities().renderer : std::string();
+}
 
 std::string Terrain::gl_version() const {
     if (!impl_->gpu) return {};
@@ -329,7 +335,8 @@ std::uint64_t Terrain::cpu_bytes() const { return impl_->ground->bytes(); }
 std::vector<std::string> Terrain::take_debug_messages() {
     std::vector<std::string> messages;
     if (impl_->gpu)
-        for (const gl::DebugMessage& message : impl_->gpu->device->take_debug_messages()) messages.push_back(message.text);
+        for (const gl::DebugMessage& message : impl_->gpu->device->take_debug_messages())
+            messages.push_back(message.text);
     return messages;
 }
 

@@ -17,7 +17,8 @@ std::vector<StampTraits> random_traits(std::uint64_t seed, std::size_t count, st
     for (std::size_t i = 0; i < count; ++i) {
         const auto at = [&](std::uint64_t span) { return static_cast<std::int32_t>(random.next() % span); };
         const Texel min{at(map + 40u) - 20, at(map + 40u) - 20};
-        traits.push_back({intersection({min, {min.x + at(largest), min.z + at(largest)}}, whole), random.next() % 10 != 0});
+        traits.push_back(
+            {intersection({min, {min.x + at(largest), min.z + at(largest)}}, whole), random.next() % 10 != 0});
     }
     return traits;
 }
@@ -36,7 +37,8 @@ TEST(StampBatches, EveryTexelOfEveryStampIsInOneBlockThatListsItInOrder) {
                 for (std::uint32_t k = 0; k < block.count; ++k) {
                     const std::uint32_t number = batch.order[block.first + k];
                     EXPECT_TRUE(k == 0 || number > batch.order[block.first + k - 1]);
-                    covered[batch.first + number] += intersection(block.rect, traits[batch.first + number].rect).count();
+                    covered[batch.first + number] +=
+                        intersection(block.rect, traits[batch.first + number].rect).count();
                 }
             }
         }

@@ -101,13 +101,14 @@ TEST_P(SlopeTest, OfAGaussianHillAreItsDerivatives) {
     for (const double spacing_m : {0.1, 0.25, 0.5, 1.0}) {
         const Hill hill{.posts = 97, .spacing_m = spacing_m, .sigma_m = 8 * spacing_m};
         const HeightField field = hill.field();
-        Maps maps(device(), field, GetParam().format,
-                  {GetParam().stencil, hill.codec.code_quantum_m(), spacing_m}, GetParam().way);
+        Maps maps(device(), field, GetParam().format, {GetParam().stencil, hill.codec.code_quantum_m(), spacing_m},
+                  GetParam().way);
         const TexelRect whole = field.rect();
         maps.derive(field, {&whole, 1});
 
-        // Truncation: h^2 / 6 max|h'''| and h^4 / 30 max|h'''''|; along a line through the top of a Gaussian the maxima are
-        // 1.3801 peak / sigma^3 and 5.7835 peak / sigma^5 (extremes of the Hermite functions He3, He5 times exp(-t^2/2)).
+        // Truncation: h^2 / 6 max|h'''| and h^4 / 30 max|h'''''|; along a line through the top of a Gaussian the maxima
+        // are 1.3801 peak / sigma^3 and 5.7835 peak / sigma^5 (extremes of the Hermite functions He3, He5 times
+        // exp(-t^2/2)).
         const double sigma = hill.sigma_m;
         const double truncation = GetParam().stencil == SlopeStencil::Central
                                       ? spacing_m * spacing_m / 6 * 1.3801 * kPeak_m / std::pow(sigma, 3)
@@ -124,8 +125,8 @@ TEST_P(SlopeTest, OfAGaussianHillAreItsDerivatives) {
                     const double true_x = -(px - hill.centre_m()) / (sigma * sigma) * h;
                     const double true_z = -(pz - hill.centre_m()) / (sigma * sigma) * h;
                     const double size = std::hypot(true_x, true_z);
-                    // Storage: half a step of 1/127 in c = p / (1 + |p|) on both components; dp/dc is at most (1 + |p|)^2.
-                    // Half floats: GL may truncate, so a unit in the last place, 2^-10 of the size.
+                    // Storage: half a step of 1/127 in c = p / (1 + |p|) on both components; dp/dc is at most (1 +
+                    // |p|)^2. Half floats: GL may truncate, so a unit in the last place, 2^-10 of the size.
                     const double storage = GetParam().format == SlopeFormat::rg8
                                                ? 0.75 / 127 * (1 + size) * (1 + size)
                                                : std::max({std::abs(true_x), std::abs(true_z), 1e-4}) / 1024;
@@ -146,7 +147,8 @@ TEST_P(SlopeTest, AfterEditsEqualAMapComputedAnew) {
     edited.derive(ground->coarse(), {&whole, 1});
     for (int frame = 0; frame < 6; ++frame) {
         std::vector<TexelRect> changed;
-        for (const StampRecord& record : test::random_records(*ground, 40 + static_cast<std::uint64_t>(frame), 12, 15)) {
+        for (const StampRecord& record :
+             test::random_records(*ground, 40 + static_cast<std::uint64_t>(frame), 12, 15)) {
             const TexelRect rect = ground->apply(record).rect;
             if (rect.empty()) continue;
             edited.planes.upload(ground->coarse(), rect, edited.transfer);

@@ -337,7 +337,8 @@ TEST_F(TerrainRendererGlTest, CountsItsWork) {
     Scene scene(ground.field, ground.codec, {.clipmap = {.n = 63, .levels = 3}});
     scene.picture(target, scene.view_from(128, 128, 5, {1, -0.2, 0}));
     const RenderCounts& counts = scene.renderer().last_counts();
-    EXPECT_EQ(scene.stats().draws, 2u);
+    EXPECT_GE(scene.stats().draws, 2u);
+    EXPECT_LE(scene.stats().draws, 3u * 3u + 1u) << "three kinds of block a level, and the stitches";
     EXPECT_EQ(scene.stats().passes, 1u);
     EXPECT_EQ(scene.stats().primitives, counts.blocks * 2048ull + counts.stitches * 32ull);
     EXPECT_GT(counts.blocks, 0u);

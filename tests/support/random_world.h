@@ -10,8 +10,8 @@
 
 namespace tilth::test {
 
-/// A ridged map of `size` x `size` posts of 1 m with 100 m of relief, and three shapes beside the built-in ones: an image
-/// with odd sides, a baked function of both signs, a profile of its own.
+/// A ridged map of `size` x `size` posts of 1 m with 100 m of relief, and three shapes beside the built-in ones: an
+/// image with odd sides, a baked function of both signs, a profile of its own.
 inline std::unique_ptr<Ground> small_world(std::int32_t size, HeightPrecision precision) {
     std::unique_ptr<Ground> ground =
         *Ground::create(make_ridged_source({.seed = 3, .size = size, .relief_m = 100}), {.precision = precision});
@@ -25,9 +25,11 @@ inline std::unique_ptr<Ground> small_world(std::int32_t size, HeightPrecision pr
 }
 
 /// Random stamps of every shape and rule; the region reaches 40 m beyond the map, so that many cross its edges.
-inline std::vector<StampRecord> random_records(Ground& ground, std::uint64_t seed, std::int64_t count, double largest_radius_m,
-                                               std::vector<StampRule> rules = {StampRule::Add, StampRule::Min, StampRule::Max,
-                                                                               StampRule::Set, StampRule::Smooth}) {
+inline std::vector<StampRecord> random_records(Ground& ground, std::uint64_t seed, std::int64_t count,
+                                               double largest_radius_m,
+                                               std::vector<StampRule> rules = {StampRule::Add, StampRule::Min,
+                                                                               StampRule::Max, StampRule::Set,
+                                                                               StampRule::Smooth}) {
     RandomStamps settings{.seed = seed, .count = count, .map = MapChoice::Coarse, .rules = std::move(rules)};
     const double last = ground.coarse().width() - 1.0;
     settings.region = {WorldPos{-40, -40}, WorldPos{last + 40, last + 40}};

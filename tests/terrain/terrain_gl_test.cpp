@@ -1,4 +1,5 @@
-// The facade: executors agree, nothing is done when nothing is asked, the host's state comes back, bad input is refused.
+// The facade: executors agree, nothing is done when nothing is asked, the host's state comes back, bad input is
+// refused.
 #include "tilth/terrain.h"
 
 #include <gtest/gtest.h>
@@ -27,8 +28,7 @@ protected:
     }
     static std::unique_ptr<Terrain> terrain(ExecutorKind executor, HeightPrecision precision = HeightPrecision::bits32,
                                             bool with_gl = true) {
-        return test::value(
-            Terrain::create(ridged(), settings(executor, precision), with_gl ? get_proc() : nullptr));
+        return test::value(Terrain::create(ridged(), settings(executor, precision), with_gl ? get_proc() : nullptr));
     }
     static View view() {
         return {.eye = {128, 120, 128}, .forward = {0.6, -0.5, 0.4}, .width = 160, .height = 90, .far_m = 1000};
@@ -53,7 +53,8 @@ protected:
 
 TEST_F(TerrainTest, AllExecutorsLeaveTheSameBitsWithAndWithoutGl) {
     for (const HeightPrecision precision : {HeightPrecision::bits32, HeightPrecision::bits16}) {
-        const std::unique_ptr<Terrain> gpu = terrain(ExecutorKind::Gpu, precision), cpu = terrain(ExecutorKind::Cpu, precision),
+        const std::unique_ptr<Terrain> gpu = terrain(ExecutorKind::Gpu, precision),
+                                       cpu = terrain(ExecutorKind::Cpu, precision),
                                        server = terrain(ExecutorKind::Cpu, precision, false);
         const StateHash untouched = server->hash();
         for (Terrain* each : {gpu.get(), cpu.get(), server.get()}) stamp_randomly(*each, 8);
@@ -117,20 +118,24 @@ TEST_F(TerrainTest, EveryPublicCallLeavesTheHostsStateAsItWas) {
         test::GlState before = test::capture_state(device());
         const auto unchanged = [&](const char* call) {
             const test::GlState after = test::capture_state(device());
-            for (const auto& [name, values] : before)
-                EXPECT_EQ(values, after.at(name)) << call << " changed " << name;
+            for (const auto& [name, values] : before) EXPECT_EQ(values, after.at(name)) << call << " changed " << name;
         };
         std::unique_ptr<Terrain> ground = terrain(executor);
         unchanged("create");
         ASSERT_TRUE(ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = -1, .map = MapChoice::Coarse}));
-        ASSERT_TRUE(ground->stamp({.centre = {90, 100}, .radius_m = 9, .amplitude_m = 0.5, .map = MapChoice::Coarse, .rule = StampRule::Smooth}));
+        ASSERT_TRUE(ground->stamp({.centre = {90, 100},
+                                   .radius_m = 9,
+                                   .amplitude_m = 0.5,
+                                   .map = MapChoice::Coarse,
+                                   .rule = StampRule::Smooth}));
         unchanged("stamp");
         ASSERT_TRUE(ground->update(1.0 / 60));
         unchanged("update");
         const BrushCursor cursor{.centre = {120, 120}, .radius_m = 3};
         ASSERT_TRUE(ground->draw(view(), {}, &cursor));
         unchanged("draw");
-        ground->replay(*ground->stamp({.centre = {10, 10}, .radius_m = 10, .amplitude_m = 400, .map = MapChoice::Coarse}));
+        ground->replay(
+            *ground->stamp({.centre = {10, 10}, .radius_m = 10, .amplitude_m = 400, .map = MapChoice::Coarse}));
         ASSERT_TRUE(ground->drain());
         unchanged("drain");
         EXPECT_TRUE(std::isfinite(ground->height_m({1, 1})));
@@ -172,8 +177,10 @@ TEST_F(TerrainTest, AStampShowsInThePictureOfTheSameFrame) {
         ASSERT_TRUE(ground->update(0));
         const std::vector<std::uint8_t> after = picture();
         int changed = 0;
-        for (std::size_t i = 0; i < before.size(); i += 4) changed += before[i] != after[i] || before[i + 1] != after[i + 1];
-        // The crater's disc of 12 m is seen from 50 m at 60 degrees: about 19 px in radius; its flat rim and middle do not change.
+        for (std::size_t i = 0; i < before.size(); i += 4)
+            changed += before[i] != after[i] || before[i + 1] != after[i + 1];
+        // The crater's disc of 12 m is seen from 50 m at 60 degrees: about 19 px in radius; its flat rim and middle do
+        // not change.
         EXPECT_GT(changed, 400);
         EXPECT_LT(changed, 1300);
     }
@@ -193,7 +200,11 @@ TEST_F(TerrainTest, AStampAndItsNegationRestoreTheHashOnTheGpu) {
     const StateHash untouched = ground->hash();
     std::vector<StampRecord> records;
     for (std::uint32_t shape = 0; shape < kBuiltinProfiles; ++shape)
-        records.push_back(*ground->stamp({.shape = {shape}, .centre = {60.0 + 20 * shape, 100.3}, .radius_m = 11.7, .amplitude_m = 1.37, .map = MapChoice::Coarse}));
+        records.push_back(*ground->stamp({.shape = {shape},
+                                          .centre = {60.0 + 20 * shape, 100.3},
+                                          .radius_m = 11.7,
+                                          .amplitude_m = 1.37,
+                                          .map = MapChoice::Coarse}));
     ASSERT_TRUE(ground->update(0));
     EXPECT_NE(ground->hash(), untouched);
     for (const StampRecord& record : records) ground->replay(negated(record));
@@ -205,7 +216,8 @@ TEST_F(TerrainTest, SaturationOnTheGpuIsReported) {
     const std::unique_ptr<Terrain> gpu = terrain(ExecutorKind::Gpu), cpu = terrain(ExecutorKind::Cpu);
     for (Terrain* ground : {gpu.get(), cpu.get()}) {
         for (int i = 0; i < 4; ++i)
-            ASSERT_TRUE(ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 300, .map = MapChoice::Coarse}));
+            ASSERT_TRUE(
+                ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 300, .map = MapChoice::Coarse}));
         ASSERT_TRUE(ground->update(0));
         ASSERT_TRUE(ground->drain());
     }
@@ -222,7 +234,8 @@ TEST_F(TerrainTest, AMirroredWorldDrawsFarFromItsSourceAndRefusesCoarseStamps) {
     // Post p and 2 * 256 * k - p show the same post of the source.
     EXPECT_EQ(ground->height_m({100, 30}), ground->height_m({512.0 * 1000 - 100, 30}));
     EXPECT_EQ(ground->height_m({100, 30}), ground->height_m({512.0 * 1000 + 100, 512.0 * 700 - 30}));
-    const Result<StampRecord> refused = ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 1, .map = MapChoice::Coarse});
+    const Result<StampRecord> refused =
+        ground->stamp({.centre = {100, 100}, .radius_m = 10, .amplitude_m = 1, .map = MapChoice::Coarse});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().message.rfind("map:", 0), 0u) << refused.error().message;
 

@@ -20,7 +20,10 @@ std::vector<gl::PassRect> placed(const StampBatch& batch) {
     std::int32_t slot = 0;
     for (const StampBlock& block : batch.blocks) {
         const std::int32_t x = slot % kSlotsAcross * kBlockTexels, z = slot / kSlotsAcross * kBlockTexels;
-        rects.push_back({x, z, x + block.rect.width(), z + block.rect.depth(),
+        rects.push_back({x,
+                         z,
+                         x + block.rect.width(),
+                         z + block.rect.depth(),
                          {block.rect.min.x - x, block.rect.min.z - z, static_cast<std::int32_t>(block.first),
                           static_cast<std::int32_t>(block.count)}});
         ++slot;
@@ -81,7 +84,8 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
     if (const Result<void> reserved = reserve_scratch(width, height, planes); !reserved) return reserved.error();
     if (const Result<void> uploaded = upload_lists(batch, stamps, stats); !uploaded) return uploaded.error();
     if (stamps.size() == 1 && stamps.front().may_saturate)
-        if (const Result<void> counted = count_saturated(variant, rects, planes, stats); !counted) return counted.error();
+        if (const Result<void> counted = count_saturated(variant, rects, planes, stats); !counted)
+            return counted.error();
     if (const Result<void> drawn = draw(variant, rects, planes, stats); !drawn) return drawn.error();
 
     std::vector<gl::CopyRect> copies;
@@ -93,7 +97,8 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
     return {};
 }
 
-Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps, gl::StageStats& stats) {
+Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps,
+                                    gl::StageStats& stats) {
     std::vector<StampParams> list;
     list.reserve(stamps.size());
     for (const DeformStamp& stamp : stamps) {
@@ -105,22 +110,25 @@ Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const Def
     const auto list_bytes = std::as_bytes(std::span(list));
     const auto order_bytes = std::as_bytes(std::span(batch.order));
     stats.bytes += list_bytes.size() + order_bytes.size();
-    if (const Result<void> ok = put(stamps_, *device_, "stamp list", gl::Format::Rgba32UI, list.size() * kStampTexels, list_bytes); !ok)
+    if (const Result<void> ok =
+            put(stamps_, *device_, "stamp list", gl::Format::Rgba32UI, list.size() * kStampTexels, list_bytes);
+        !ok)
         return ok.error();
     return put(order_, *device_, "stamp order", gl::Format::R32UI, batch.order.size(), order_bytes);
 }
 
 Result<void> Deformer::reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes) {
     const std::size_t wanted = planes.targets().size();
-    if (scratch_.size() >= wanted && scratch_.front().width() >= width && scratch_.front().height() >= height) return {};
+    if (scratch_.size() >= wanted && scratch_.front().width() >= width && scratch_.front().height() >= height)
+        return {};
     if (!scratch_.empty()) {
         width = std::max(width, scratch_.front().width());
         height = std::max(height, scratch_.front().height());
     }
     scratch_.clear();
     while (scratch_.size() < wanted) {
-        Result<gl::Texture2D> texture = gl::Texture2D::create(*device_, "deform scratch",
-                                                              {.format = gl::Format::R16, .width = width, .height = height});
+        Result<gl::Texture2D> texture = gl::Texture2D::create(
+            *device_, "deform scratch", {.format = gl::Format::R16, .width = width, .height = height});
         if (!texture) return texture.error();
         scratch_.push_back(std::move(*texture));
     }

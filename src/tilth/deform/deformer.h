@@ -19,8 +19,8 @@
 
 namespace tilth {
 
-/// A stamp for the GPU. `may_saturate` costs a pass of its own, in which the saturated texels are counted; leave it false
-/// when the bounds of the ground under the stamp rule it out.
+/// A stamp for the GPU. `may_saturate` costs a pass of its own, in which the saturated texels are counted; leave it
+/// false when the bounds of the ground under the stamp rule it out.
 struct DeformStamp {
     PreparedStamp prepared;
     bool may_saturate = false;
@@ -30,8 +30,8 @@ struct DeformStamp {
 ///
 /// A pass draws the texels of its stamps into a scratch pair (grown to the largest pass seen), reading the planes, and
 /// copies them back; no texel is read and written by the same draw, nothing outside the stamps' rectangles is touched.
-/// Stamps whose rules read their own texel only share passes (`plan_batches`); smooth is a pass of its own. The arithmetic
-/// is shaders/shared/stamp_math.glsl, which the CPU executor compiles as C++: both leave the same bits.
+/// Stamps whose rules read their own texel only share passes (`plan_batches`); smooth is a pass of its own. The
+/// arithmetic is shaders/shared/stamp_math.glsl, which the CPU executor compiles as C++: both leave the same bits.
 /// Programs are compiled at first use, one for each combination of what a pass holds.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`.
 class Deformer {
@@ -56,7 +56,8 @@ private:
     };
     Deformer(gl::Device& device, gl::ShaderLibrary& shaders, gl::TextureCopy copy);
 
-    Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats);
+    Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
+                     gl::StageStats& stats);
     Result<void> upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps, gl::StageStats& stats);
     Result<void> reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes);
     Result<gl::TexelPass*> pass_for(const Variant& variant, gl::StageStats& stats);

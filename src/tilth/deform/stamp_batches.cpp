@@ -16,7 +16,8 @@ public:
         if (count_ == limits_.stamps) return false;
         const Texel low{rect.min.x / kBlockTexels, rect.min.z / kBlockTexels};
         const Texel high{(rect.max.x - 1) / kBlockTexels, (rect.max.z - 1) / kBlockTexels};
-        const std::size_t touched = static_cast<std::size_t>(high.x - low.x + 1) * static_cast<std::size_t>(high.z - low.z + 1);
+        const std::size_t touched =
+            static_cast<std::size_t>(high.x - low.x + 1) * static_cast<std::size_t>(high.z - low.z + 1);
         if (rect.empty()) {
             ++count_;
             return true;
@@ -26,7 +27,8 @@ public:
             for (std::int32_t x = low.x; x <= high.x; ++x) {
                 const Texel corner{x * kBlockTexels, z * kBlockTexels};
                 Block& block = blocks_[{z, x}];
-                block.rect = bounds_of(block.rect, intersection(rect, {corner, {corner.x + kBlockTexels, corner.z + kBlockTexels}}));
+                block.rect = bounds_of(
+                    block.rect, intersection(rect, {corner, {corner.x + kBlockTexels, corner.z + kBlockTexels}}));
                 block.stamps.push_back(static_cast<std::uint32_t>(count_));
             }
         entries_ += touched;

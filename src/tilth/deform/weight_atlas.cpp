@@ -29,7 +29,8 @@ Result<std::uint32_t> WeightAtlas::place(const Shape& shape, std::uint64_t& byte
 }
 
 Result<void> WeightAtlas::grow(std::int32_t rows, std::uint64_t& bytes) {
-    const std::int32_t height = std::min(device_->capabilities().max_texture_size, std::max(rows, texture_ ? 2 * texture_->height() : 4));
+    const std::int32_t height =
+        std::min(device_->capabilities().max_texture_size, std::max(rows, texture_ ? 2 * texture_->height() : 4));
     if (rows > height) return Error{ErrorCode::Unsupported, "the stamp images together exceed the largest texture"};
     Result<gl::Texture2D> texture = gl::Texture2D::create(
         *device_, "stamp weights", {.format = gl::Format::R32I, .width = static_cast<int>(kRow), .height = height});

@@ -19,7 +19,7 @@ std::uint16_t half_of(float value) {
     if (size == 0) return sign;
     int exponent = 0;
     std::frexp(size, &exponent);
-    const int shift = std::max(exponent, -13);                        // the half's unit in the last place is 2^(shift - 11)
+    const int shift = std::max(exponent, -13);  // the half's unit in the last place is 2^(shift - 11)
     const auto units = static_cast<int>(std::nearbyint(std::ldexp(size, 11 - shift)));  // 0..2048
     return static_cast<std::uint16_t>(sign + units + ((shift + 13) << 10));
 }
@@ -55,14 +55,15 @@ void inner_slopes(const HeightField& heights, Texel first, std::int32_t count, f
     const std::uint32_t* before2 = heights.row(first.z - kReach) + first.x;
     const std::uint32_t* after2 = heights.row(first.z + kReach) + first.x;
     for (std::int32_t i = 0; i < count; ++i) {
-        out_x[i] = shared::slope_along(here[i - kReach], here[i - 1], here[i + 1], here[i + kReach], kReach, 2 * kReach, Fourth, per_m);
+        out_x[i] = shared::slope_along(here[i - kReach], here[i - 1], here[i + 1], here[i + kReach], kReach, 2 * kReach,
+                                       Fourth, per_m);
         out_z[i] = shared::slope_along(before2[i], before[i], after[i], after2[i], kReach, 2 * kReach, Fourth, per_m);
     }
 }
 
 /// Slopes of row `z` of a mip level, texels [min_x, max_x).
-void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_x, std::int32_t max_x, std::int32_t level,
-                   const SlopeSettings& settings, SlopeRow& out) {
+void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_x, std::int32_t max_x,
+                   std::int32_t level, const SlopeSettings& settings, SlopeRow& out) {
     out.x.resize(static_cast<std::size_t>(max_x - min_x));
     out.z.resize(out.x.size());
     const std::int32_t reach = stencil_reach(settings.stencil);
@@ -121,7 +122,8 @@ void upload_slopes(std::span<const TexelRect> changed, const HeightField& height
             stored.resize(moved / sizeof(std::uint16_t));
             for (std::int32_t z = texels.min.z; z < texels.max.z; ++z) {
                 slopes_of_row(heights, z, texels.min.x, texels.max.x, level, settings, row);
-                std::uint16_t* out = stored.data() + static_cast<std::size_t>(z - texels.min.z) * width * texel_bytes / sizeof(std::uint16_t);
+                std::uint16_t* out = stored.data() + static_cast<std::size_t>(z - texels.min.z) * width * texel_bytes /
+                                                         sizeof(std::uint16_t);
                 if (half)
                     store_halves(row, out);
                 else

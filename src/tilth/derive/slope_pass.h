@@ -40,8 +40,8 @@ private:
     SlopeSettings settings_;
 };
 
-/// The same on the CPU, uploaded to the same texture: for the CPU executor. Values agree with the GPU's to one step of the
-/// storage. Counts bytes of the slopes in `derive` and of the mips in `mips`, no passes.
+/// The same on the CPU, uploaded to the same texture: for the CPU executor. Values agree with the GPU's to one step of
+/// the storage. Counts bytes of the slopes in `derive` and of the mips in `mips`, no passes.
 void upload_slopes(std::span<const TexelRect> changed, const HeightField& heights, const SlopeSettings& settings,
                    SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer);
 

@@ -15,13 +15,16 @@ public:
         codes_.reserve(static_cast<std::size_t>(width_) * static_cast<std::size_t>(rect.depth() + 2));
         for (std::int32_t z = rect.min.z - 1; z <= rect.max.z; ++z)
             for (std::int32_t x = rect.min.x - 1; x <= rect.max.x; ++x)
-                codes_.push_back(code_at(Texel{std::clamp(x, map.min.x, map.max.x - 1), std::clamp(z, map.min.z, map.max.z - 1)}));
+                codes_.push_back(
+                    code_at(Texel{std::clamp(x, map.min.x, map.max.x - 1), std::clamp(z, map.min.z, map.max.z - 1)}));
     }
 
     void attach(RowTask& task) const {
         for (std::int32_t row = 0; row < 3; ++row)
-            task.before[row] = codes_.data() + static_cast<std::size_t>(task.z - 1 + row - origin_.z) * static_cast<std::size_t>(width_) +
-                               static_cast<std::size_t>(task.x - 1 - origin_.x);
+            task.before[row] =
+                codes_.data() +
+                static_cast<std::size_t>(task.z - 1 + row - origin_.z) * static_cast<std::size_t>(width_) +
+                static_cast<std::size_t>(task.x - 1 - origin_.x);
     }
 
 private:
@@ -31,8 +34,8 @@ private:
 };
 
 /// Runs the kernel over one part of the stamp's rectangle that lies in one piece of memory.
-std::uint64_t apply_rows(const PreparedStamp& stamp, const TexelRect& part, const CpuKernels& kernels, const Before* before,
-                         auto&& row_codes) {
+std::uint64_t apply_rows(const PreparedStamp& stamp, const TexelRect& part, const CpuKernels& kernels,
+                         const Before* before, auto&& row_codes) {
     RowTask task{.stamp = &stamp.params, .weights = stamp.shape->weights.data()};
     std::uint64_t saturated = 0;
     for (task.z = part.min.z; task.z < part.max.z; ++task.z)
@@ -61,7 +64,8 @@ ApplyResult apply_stamp(const PreparedStamp& stamp, HeightField& field, const Cp
     return result;
 }
 
-ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const TexelRect& map, const CpuKernels& kernels) {
+ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const TexelRect& map,
+                        const CpuKernels& kernels) {
     const TexelRect rect = intersection(stamp.rect(), map);
     if (rect.empty()) return {};
     ApplyResult result{.rect = rect, .texels = static_cast<std::uint64_t>(rect.count())};
@@ -73,11 +77,10 @@ ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const Te
         for (std::int32_t page_x = first.x; page_x <= last.x; ++page_x) {
             PageCodes& page = field.touch({page_x, page_z});
             const Texel corner{page_x * kPageTexels, page_z * kPageTexels};
-            const TexelRect part =
-                intersection(rect, {corner, {corner.x + kPageTexels, corner.z + kPageTexels}});
-            result.saturated += apply_rows(stamp, part, kernels, before.empty() ? nullptr : before.data(), [&](Texel t) {
-                return page.data() + (t.z - corner.z) * kPageTexels + (t.x - corner.x);
-            });
+            const TexelRect part = intersection(rect, {corner, {corner.x + kPageTexels, corner.z + kPageTexels}});
+            result.saturated +=
+                apply_rows(stamp, part, kernels, before.empty() ? nullptr : before.data(),
+                           [&](Texel t) { return page.data() + (t.z - corner.z) * kPageTexels + (t.x - corner.x); });
         }
     return result;
 }

@@ -9,12 +9,13 @@
 
 namespace tilth {
 
-/// Applies a stamp to a dense map. Texels outside the map are clipped; neighbours beyond its border, which smooth reads,
-/// repeat the border. Cost: proportional to the stamp's rectangle, 1-3 ns a texel with AVX2. Not thread-safe on one
-/// field; several fields may be stamped at the same time.
+/// Applies a stamp to a dense map. Texels outside the map are clipped; neighbours beyond its border, which smooth
+/// reads, repeat the border. Cost: proportional to the stamp's rectangle, 1-3 ns a texel with AVX2. Not thread-safe on
+/// one field; several fields may be stamped at the same time.
 ApplyResult apply_stamp(const PreparedStamp& stamp, HeightField& field, const CpuKernels& kernels = cpu_kernels());
 
-/// The same on the sparse detail map whose texels are those of `map`: pages that the stamp's rectangle touches are made.
+/// The same on the sparse detail map whose texels are those of `map`: pages that the stamp's rectangle touches are
+/// made.
 ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const TexelRect& map,
                         const CpuKernels& kernels = cpu_kernels());
 

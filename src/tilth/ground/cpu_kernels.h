@@ -14,9 +14,9 @@ inline constexpr std::int32_t kKernelTexels = 512;
 /// One row of a stamp: texels (x .. x + count, z) of the map, count <= kKernelTexels, inside the stamp's rectangle.
 struct RowTask {
     const StampParams* stamp = nullptr;
-    const std::int32_t* weights = nullptr;      ///< the shape's table or image
+    const std::int32_t* weights = nullptr;  ///< the shape's table or image
     std::int32_t x = 0, z = 0, count = 0;
-    std::uint32_t* codes = nullptr;             ///< of the row, read and written
+    std::uint32_t* codes = nullptr;  ///< of the row, read and written
     /// For smooth: the rows above, at and below z before the stamp, `x - 1` first, count + 2 codes each.
     const std::uint32_t* before[3] = {nullptr, nullptr, nullptr};
 };

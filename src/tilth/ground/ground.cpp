@@ -18,7 +18,7 @@ constexpr double kLargestOrigin = 1e9;         // metres
 constexpr double kLargestCentre = 1e10;        // metres: 2^-24 m in 64 bits reach 5e11
 constexpr double kFixedPerMetre = 16777216.0;  // 2^24
 constexpr double kLargestRadiusTexels = 8192;
-constexpr double kCoarseRadiusPosts = 8;       // `auto` takes the coarse map from here on
+constexpr double kCoarseRadiusPosts = 8;  // `auto` takes the coarse map from here on
 
 Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
 
@@ -49,7 +49,9 @@ double interpolated_m(const MapGeometry& map, WorldPos at, const CodeAt& code_at
     const auto i = std::min(static_cast<std::int32_t>(x), map.grid.width - 2);
     const auto j = std::min(static_cast<std::int32_t>(z), map.grid.depth - 2);
     const double u = x - i, v = z - j;
-    const auto height = [&](std::int32_t di, std::int32_t dj) { return map.codec.height_m(code_at(Texel{i + di, j + dj})); };
+    const auto height = [&](std::int32_t di, std::int32_t dj) {
+        return map.codec.height_m(code_at(Texel{i + di, j + dj}));
+    };
     const double here = height(0, 0), across = height(1, 1);
     if (u >= v) {
         const double east = height(1, 0);
@@ -63,18 +65,23 @@ double interpolated_m(const MapGeometry& map, WorldPos at, const CodeAt& code_at
 
 Ground::Ground(std::shared_ptr<const HeightSource> source, const GroundSettings& settings, MapGeometry coarse_map,
                MapGeometry detail_map)
-    : source_(std::move(source)), settings_(settings), coarse_map_(coarse_map), detail_map_(detail_map),
+    : source_(std::move(source)),
+      settings_(settings),
+      coarse_map_(coarse_map),
+      detail_map_(detail_map),
       coarse_(source_->width(), source_->depth()) {
     for (std::int32_t z = 0; z < coarse_.depth(); ++z)
         for (std::int32_t x = 0; x < coarse_.width(); ++x)
             coarse_.set_code({x, z}, coarse_map_.codec.code(source_->height_m({x, z}), settings_.precision));
 }
 
-Result<std::unique_ptr<Ground>> Ground::create(std::shared_ptr<const HeightSource> source, const GroundSettings& settings) {
+Result<std::unique_ptr<Ground>> Ground::create(std::shared_ptr<const HeightSource> source,
+                                               const GroundSettings& settings) {
     TILTH_ASSERT(source != nullptr, "a ground needs a height source");
     if (const Result<void> checked = check_settings(settings); !checked) return checked.error();
     if (source->width() < 2 || source->depth() < 2 || source->width() > 16384 || source->depth() > 16384)
-        return invalid(text("heights: ", source->width(), " x ", source->depth(), " posts; 2..16384 a side are allowed"));
+        return invalid(
+            text("heights: ", source->width(), " x ", source->depth(), " posts; 2..16384 a side are allowed"));
 
     HeightCodec codec = HeightCodec::for_range(source->min_m(), source->max_m());
     if (settings.quantum_m) {
@@ -109,7 +116,8 @@ Result<StampRecord> Ground::issue(const StampRequest& request) {
         return invalid(text("centre: (", request.centre.x, ", ", request.centre.z, ") is not within 1e10 m of zero"));
     if (!(request.radius_m > 0) || !std::isfinite(request.radius_m))
         return invalid(text("radius: ", request.radius_m, " m is not above 0"));
-    if (!std::isfinite(request.rotation_rad)) return invalid(text("rotation: ", request.rotation_rad, " is not finite"));
+    if (!std::isfinite(request.rotation_rad))
+        return invalid(text("rotation: ", request.rotation_rad, " is not finite"));
 
     const MapKind kind = settled_map(request);
     if (kind == MapKind::Detail && !settings_.detail) return invalid("map: this world has no detail map");
@@ -136,7 +144,8 @@ Result<StampRecord> Ground::issue(const StampRequest& request) {
                             65536 * target.codec.quantum_m, " m"));
     record.amplitude = static_cast<std::uint32_t>(std::floor(steps + 0.5 < 4294967296.0 ? steps + 0.5 : steps));
 
-    const bool uses_level = request.rule == StampRule::Min || request.rule == StampRule::Max || request.rule == StampRule::Set;
+    const bool uses_level =
+        request.rule == StampRule::Min || request.rule == StampRule::Max || request.rule == StampRule::Set;
     if (uses_level) {
         if (!request.level_m && kind == MapKind::Coarse)
             return invalid("level: min, max and set on the coarse map need a level, an absolute height in metres");

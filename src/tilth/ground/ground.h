@@ -23,14 +23,14 @@ namespace tilth {
 
 /// How a world is laid out. Fixed when the world is created.
 struct GroundSettings {
-    WorldPos origin;                                       ///< of post (0, 0), metres; finite, at most 1e9 from zero
-    double spacing_m = 1.0;                                ///< between posts, > 0
-    std::optional<double> quantum_m;                       ///< of the coarse high plane; a power of two; default by range
-    bool mirror = false;                                   ///< the source repeated by reflection to 2^20 x 2^20 posts;
-                                                           ///< such a world takes no coarse stamps
-    bool detail = true;                                    ///< a detail map exists
-    std::int32_t texels_per_post = 3;                      ///< detail texels per post spacing, 1..64
-    std::int32_t tile_size = 2048;                         ///< detail texels a tile, a multiple of 64
+    WorldPos origin;                   ///< of post (0, 0), metres; finite, at most 1e9 from zero
+    double spacing_m = 1.0;            ///< between posts, > 0
+    std::optional<double> quantum_m;   ///< of the coarse high plane; a power of two; default by range
+    bool mirror = false;               ///< the source repeated by reflection to 2^20 x 2^20 posts;
+                                       ///< such a world takes no coarse stamps
+    bool detail = true;                ///< a detail map exists
+    std::int32_t texels_per_post = 3;  ///< detail texels per post spacing, 1..64
+    std::int32_t tile_size = 2048;     ///< detail texels a tile, a multiple of 64
     HeightPrecision precision = HeightPrecision::bits32;
 };
 
@@ -47,17 +47,20 @@ struct StateHash {
 /// Persistent edits are integer arithmetic on height codes: no drift, additive stamps commute, a log of records
 /// replays to the same bits on any machine, with or without a GPU. This class is the CPU executor's side; it is all
 /// that a dedicated server needs.
-/// Units: metres, world space, +y up. Threads: one at a time for anything that changes it; const calls may run together.
-/// Memory: four bytes a post (two with bits16) once; detail 16 KiB per touched 64 x 64 page. A mirrored world: the
-/// source's posts only.
+/// Units: metres, world space, +y up. Threads: one at a time for anything that changes it; const calls may run
+/// together. Memory: four bytes a post (two with bits16) once; detail 16 KiB per touched 64 x 64 page. A mirrored
+/// world: the source's posts only.
 class Ground {
 public:
-    /// Fails on settings out of range (the message names the field) and on sources whose heights do not fit `quantum_m`.
+    /// Fails on settings out of range (the message names the field) and on sources whose heights do not fit
+    /// `quantum_m`.
     static Result<std::unique_ptr<Ground>> create(std::shared_ptr<const HeightSource> source,
                                                   const GroundSettings& settings);
 
     [[nodiscard]] const GroundSettings& settings() const { return settings_; }
-    [[nodiscard]] const MapGeometry& map(MapKind kind) const { return kind == MapKind::Coarse ? coarse_map_ : detail_map_; }
+    [[nodiscard]] const MapGeometry& map(MapKind kind) const {
+        return kind == MapKind::Coarse ? coarse_map_ : detail_map_;
+    }
     [[nodiscard]] ShapeLibrary& shapes() { return shapes_; }
     [[nodiscard]] const ShapeLibrary& shapes() const { return shapes_; }
 
@@ -65,7 +68,8 @@ public:
     /// Fails with `InvalidArgument` and the field's name; the sequence number is then not used.
     Result<StampRecord> issue(const StampRequest& request);
 
-    /// The map that a request goes to: `Auto` is coarse from a radius of eight posts on, else detail where there is one.
+    /// The map that a request goes to: `Auto` is coarse from a radius of eight posts on, else detail where there is
+    /// one.
     [[nodiscard]] MapKind settled_map(const StampRequest& request) const;
 
     /// Applies one record on the CPU. Cost: about 1-3 ns a texel with AVX2. Records of another world's shapes are the

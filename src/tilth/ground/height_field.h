@@ -10,8 +10,8 @@
 
 namespace tilth {
 
-/// Height codes of a width x depth map, row by row, row with +z. With `bits16` codes are kept as code << 16, so that one
-/// arithmetic serves both; the low half is then always zero.
+/// Height codes of a width x depth map, row by row, row with +z. With `bits16` codes are kept as code << 16, so that
+/// one arithmetic serves both; the low half is then always zero.
 class HeightField {
 public:
     HeightField() = default;
@@ -33,9 +33,7 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t index(Texel t) const {
-        return std::size_t(t.z) * std::size_t(width_) + std::size_t(t.x);
-    }
+    [[nodiscard]] std::size_t index(Texel t) const { return std::size_t(t.z) * std::size_t(width_) + std::size_t(t.x); }
     std::int32_t width_ = 0, depth_ = 0;
     std::vector<std::uint32_t> codes_;
 };

@@ -21,10 +21,12 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
     for (std::size_t i = 0; i < path.points.size(); ++i) {
         if (!std::isfinite(path.points[i].x) || !std::isfinite(path.points[i].z))
             return invalid(text("points: point ", i, " is not finite"));
-        if (i > 0) length_m += std::hypot(path.points[i].x - path.points[i - 1].x, path.points[i].z - path.points[i - 1].z);
+        if (i > 0)
+            length_m += std::hypot(path.points[i].x - path.points[i - 1].x, path.points[i].z - path.points[i - 1].z);
     }
     if (!(length_m / path.spacing_m < kMostStamps))
-        return invalid(text("spacing: ", length_m, " m of path at ", path.spacing_m, " m are more than a million stamps"));
+        return invalid(
+            text("spacing: ", length_m, " m of path at ", path.spacing_m, " m are more than a million stamps"));
 
     std::vector<StampRequest> stamps;
     const auto place = [&](WorldPos at, double direction_x, double direction_z) {

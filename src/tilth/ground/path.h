@@ -10,10 +10,10 @@ namespace tilth {
 
 /// A row of equal stamps, spaced by distance (never by time or frame).
 struct PathRequest {
-    StampRequest stamp;                  ///< `centre` is ignored; `rotation_rad` is added to the path's direction
-    std::vector<WorldPos> points;        ///< at least one; repeated points are skipped
-    double spacing_m = 0.75;             ///< > 0, along the path
-    double alternate_m = 0.0;            ///< >= 0: metres left and right of the path in turn, mirrored in turn
+    StampRequest stamp;            ///< `centre` is ignored; `rotation_rad` is added to the path's direction
+    std::vector<WorldPos> points;  ///< at least one; repeated points are skipped
+    double spacing_m = 0.75;       ///< > 0, along the path
+    double alternate_m = 0.0;      ///< >= 0: metres left and right of the path in turn, mirrored in turn
 };
 
 /// The stamps of a path: one at its start, then every `spacing_m` along it, each turned so that its image's x axis

@@ -13,11 +13,13 @@ namespace {
 
 __extension__ using Int128 = __int128;
 
-constexpr std::int64_t kSub = 1024;                       // sub-texels a texel
-constexpr std::uint32_t kResidueRadius = 256 * 1024;      // largest zero-volume stamp whose residue is returned
+constexpr std::int64_t kSub = 1024;                         // sub-texels a texel
+constexpr std::uint32_t kResidueRadius = 256 * 1024;        // largest zero-volume stamp whose residue is returned
 constexpr std::int64_t kFarTexels = std::int64_t{1} << 30;  // further centres cannot touch a map
 
-std::int64_t floor_div(std::int64_t a, std::int64_t b) { return a / b - ((a % b != 0) && ((a < 0) != (b < 0)) ? 1 : 0); }
+std::int64_t floor_div(std::int64_t a, std::int64_t b) {
+    return a / b - ((a % b != 0) && ((a < 0) != (b < 0)) ? 1 : 0);
+}
 
 std::int64_t rounded_div(Int128 a, Int128 b) {  // b > 0, half away from zero
     return static_cast<std::int64_t>(a >= 0 ? (a + b / 2) / b : -((-a + b / 2) / b));
@@ -35,7 +37,8 @@ void widen(StampParams& s, StampRule rule, const Shape& shape) {
     s.radius = std::max(s.radius, 1u);
     if (s.radius >= least) return;
     if (rule == StampRule::Add)
-        s.amplitude = static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * s.radius * s.radius, Int128{least} * least));
+        s.amplitude =
+            static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * s.radius * s.radius, Int128{least} * least));
     s.radius = least;
 }
 

@@ -21,12 +21,12 @@ struct SplitMix64 {
 struct RandomStamps {
     std::uint64_t seed = 1;
     std::int64_t count = 0;
-    std::array<WorldPos, 2> region;          ///< two corners, metres
+    std::array<WorldPos, 2> region;  ///< two corners, metres
     std::array<double, 2> radius_m{1, 1};
     std::array<double, 2> amplitude_m{0, 0};
     MapChoice map = MapChoice::Auto;
-    std::vector<ShapeId> shapes;             ///< to choose from, in order; not empty
-    std::vector<StampRule> rules;            ///< to choose from, in order; not empty
+    std::vector<ShapeId> shapes;   ///< to choose from, in order; not empty
+    std::vector<StampRule> rules;  ///< to choose from, in order; not empty
 };
 
 /// The stamps, drawn in the order x, z, radius, amplitude, shape, rule, rotation, mirror for each. `smooth` uses

@@ -10,9 +10,9 @@ namespace tilth {
 
 /// Distance along `direction` (normalised inside) from `from` to the first point of the ray on or under the surface
 /// coarse + detail, metres; empty if there is none within `max_m` or before the ray leaves the map. 0 when `from` lies
-/// under the ground. Exact up to the rounding of doubles: the surface is linear between the grid lines and diagonals that
-/// the ray's shadow crosses, so only those places are looked at. Cost: three heights a cell crossed.
-/// A direction that is zero or not finite is a miss.
+/// under the ground. Exact up to the rounding of doubles: the surface is linear between the grid lines and diagonals
+/// that the ray's shadow crosses, so only those places are looked at. Cost: three heights a cell crossed. A direction
+/// that is zero or not finite is a miss.
 std::optional<double> raycast(const Ground& ground, const Vec3d& from, const Vec3d& direction, double max_m);
 
 }  // namespace tilth

@@ -18,9 +18,9 @@ struct Builtin {
 };
 
 constexpr Builtin kBuiltins[kBuiltinProfiles] = {
-    {BuiltinProfile::Gaussian, "gaussian", 1.75}, {BuiltinProfile::Cone, "cone", 2.0},
+    {BuiltinProfile::Gaussian, "gaussian", 1.75},    {BuiltinProfile::Cone, "cone", 2.0},
     {BuiltinProfile::Paraboloid, "paraboloid", 2.0}, {BuiltinProfile::Cosine, "cosine", 1.5},
-    {BuiltinProfile::Crater, "crater", 3.0}, {BuiltinProfile::Disc, "disc", 6.0},
+    {BuiltinProfile::Crater, "crater", 3.0},         {BuiltinProfile::Disc, "disc", 6.0},
 };
 
 constexpr double kLeastImageRadius = 2.0;  // texels: an image is band-limited by its bilinear pixels, like the cone
@@ -83,8 +83,8 @@ Result<ShapeId> ShapeLibrary::add_profile(std::string name, const std::function<
         const double t = i / 1024.0, value = weight(t);
         const std::optional<std::int32_t> entry = integer_weight(value);
         if (!entry)
-            return Error{ErrorCode::InvalidArgument,
-                         text("weight: profile '", shape.name, "' gives ", value, " at t = ", t, ", not a value in [-1, 1]")};
+            return Error{ErrorCode::InvalidArgument, text("weight: profile '", shape.name, "' gives ", value,
+                                                          " at t = ", t, ", not a value in [-1, 1]")};
         shape.weights.push_back(*entry);
     }
     return add(std::move(shape));
@@ -96,9 +96,12 @@ Result<ShapeId> ShapeLibrary::add_image(std::string name, std::int32_t width, st
         return Error{ErrorCode::InvalidArgument,
                      text("size: stamp image '", name, "' is ", width, " x ", height, "; 1..4096 a side are allowed")};
     if (texels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
-        return Error{ErrorCode::InvalidArgument,
-                     text("texels: stamp image '", name, "' of ", width, " x ", height, " has ", texels.size(), " values")};
-    Shape shape{.name = std::move(name), .is_image = true, .width = width, .height = height,
+        return Error{ErrorCode::InvalidArgument, text("texels: stamp image '", name, "' of ", width, " x ", height,
+                                                      " has ", texels.size(), " values")};
+    Shape shape{.name = std::move(name),
+                .is_image = true,
+                .width = width,
+                .height = height,
                 .least_radius_texels = kLeastImageRadius};
     shape.weights.reserve(texels.size());
     for (const std::uint16_t texel : texels) shape.weights.push_back(texel + (texel >> 15));  // 65535 -> 65536
@@ -109,7 +112,10 @@ Result<ShapeId> ShapeLibrary::bake(std::string name, std::int32_t size,
                                    const std::function<double(double, double)>& weight) {
     if (size < 1 || size > kMaxImageSize)
         return Error{ErrorCode::InvalidArgument, text("size: ", size, " is not in 1..4096")};
-    Shape shape{.name = std::move(name), .is_image = true, .width = size, .height = size,
+    Shape shape{.name = std::move(name),
+                .is_image = true,
+                .width = size,
+                .height = size,
                 .least_radius_texels = kLeastImageRadius};
     shape.weights.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
     for (std::int32_t row = 0; row < size; ++row)
@@ -119,15 +125,16 @@ Result<ShapeId> ShapeLibrary::bake(std::string name, std::int32_t size,
             const double value = weight(x, z);
             const std::optional<std::int32_t> entry = integer_weight(value);
             if (!entry)
-                return Error{ErrorCode::InvalidArgument, text("weight: function '", shape.name, "' gives ", value, " at (",
-                                                              x, ", ", z, "), not a value in [-1, 1]")};
+                return Error{ErrorCode::InvalidArgument, text("weight: function '", shape.name, "' gives ", value,
+                                                              " at (", x, ", ", z, "), not a value in [-1, 1]")};
             shape.weights.push_back(*entry);
         }
     return add(std::move(shape));
 }
 
 std::optional<ShapeId> ShapeLibrary::find(std::string_view name) const {
-    const auto found = std::find_if(shapes_.begin(), shapes_.end(), [&](const Shape& shape) { return shape.name == name; });
+    const auto found =
+        std::find_if(shapes_.begin(), shapes_.end(), [&](const Shape& shape) { return shape.name == name; });
     if (found == shapes_.end()) return std::nullopt;
     return ShapeId{static_cast<std::uint32_t>(std::distance(shapes_.begin(), found))};
 }

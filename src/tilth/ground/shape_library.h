@@ -29,12 +29,12 @@ inline constexpr std::uint32_t kBuiltinProfiles = 6;
 struct Shape {
     std::string name;
     bool is_image = false;
-    std::int32_t width = 0, height = 0;   ///< of an image, texels
-    std::vector<std::int32_t> weights;    ///< in 1 / 65 536, 65 536 = full weight
+    std::int32_t width = 0, height = 0;                  ///< of an image, texels
+    std::vector<std::int32_t> weights;                   ///< in 1 / 65 536, 65 536 = full weight
     std::int32_t lowest_weight = 0, highest_weight = 0;  ///< of `weights`
-    double least_radius_texels = 0;       ///< smaller stamps are widened to this, with their volume kept
-    bool zero_volume = false;             ///< the sampled stamp's residue is given to the centre texel (crater)
-    std::uint64_t hash = 0;               ///< XXH3-64 of kind, size and weights
+    double least_radius_texels = 0;                      ///< smaller stamps are widened to this, with their volume kept
+    bool zero_volume = false;  ///< the sampled stamp's residue is given to the centre texel (crater)
+    std::uint64_t hash = 0;    ///< XXH3-64 of kind, size and weights
 };
 
 /// The shapes of one world. Shapes are only ever added; ids stay valid. Built-in profiles are always there.

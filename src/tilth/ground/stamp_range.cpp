@@ -38,7 +38,8 @@ StampRange range_after(const PreparedStamp& stamp, std::uint32_t min, std::uint3
             high = std::clamp<std::int64_t>(wanted_high, 0, kTop);
             return {static_cast<std::uint32_t>(low), static_cast<std::uint32_t>(high), leaves};
         }
-        case StampRule::Smooth: break;  // between the codes that it reads, whose bounds the caller gives
+        case StampRule::Smooth:
+            break;  // between the codes that it reads, whose bounds the caller gives
     }
     const bool leaves = wanted_low < 0 || wanted_high > kTop - rounding;
     return {static_cast<std::uint32_t>(std::clamp<std::int64_t>(wanted_low, 0, kTop)),

@@ -13,9 +13,9 @@ constexpr std::int64_t times(std::int64_t a, std::int64_t b) { return (a * b + k
 }  // namespace
 
 SineCosine sine_cosine(std::uint32_t turns) {
-    const std::uint32_t quarter = (turns + (1u << 29)) >> 30;  // 0..4, nearest
-    const auto rest = static_cast<std::int32_t>(turns - (quarter << 30));  // -2^29..2^29: an eighth either way
-    constexpr std::int64_t kTwoPi = 6746518852;  // round(2 pi 2^30)
+    const std::uint32_t quarter = (turns + (1u << 29)) >> 30;                // 0..4, nearest
+    const auto rest = static_cast<std::int32_t>(turns - (quarter << 30));    // -2^29..2^29: an eighth either way
+    constexpr std::int64_t kTwoPi = 6746518852;                              // round(2 pi 2^30)
     const std::int64_t x = (rest * kTwoPi + (std::int64_t{1} << 31)) >> 32;  // radians
     const std::int64_t square = times(x, x);
     std::int64_t sine = kOne - square / 72;
@@ -29,10 +29,14 @@ SineCosine sine_cosine(std::uint32_t turns) {
     cosine = kOne - times(square, cosine) / 2;
     const auto s = static_cast<std::int32_t>(sine), c = static_cast<std::int32_t>(cosine);
     switch (quarter & 3u) {
-        case 0: return {s, c};
-        case 1: return {c, -s};
-        case 2: return {-s, -c};
-        default: return {-c, s};
+        case 0:
+            return {s, c};
+        case 1:
+            return {c, -s};
+        case 2:
+            return {-s, -c};
+        default:
+            return {-c, s};
     }
 }
 

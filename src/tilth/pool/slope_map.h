@@ -15,9 +15,9 @@ enum class SlopeFormat : std::uint8_t {
 };
 
 /// dh/dx and dh/dz at every post, metres per metre, in (R, G).
-/// Mip level l, texel (i, j) is the slope at post (i << l, j << l): sub-sampled, so that a clipmap level shades with the
-/// posts it draws. Level 0's size is padded to a multiple of 2^(levels - 1): texture coordinate of post p at level l is
-/// (p / 2^l + 0.5) / (padded size >> l). Linear filtering within a level, clamped.
+/// Mip level l, texel (i, j) is the slope at post (i << l, j << l): sub-sampled, so that a clipmap level shades with
+/// the posts it draws. Level 0's size is padded to a multiple of 2^(levels - 1): texture coordinate of post p at level
+/// l is (p / 2^l + 0.5) / (padded size >> l). Linear filtering within a level, clamped.
 class SlopeMap {
 public:
     static constexpr std::int32_t kLevels = 8;

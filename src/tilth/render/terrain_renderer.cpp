@@ -1,10 +1,12 @@
 #include "tilth/render/terrain_renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <span>
+#include <tuple>
 
 #include "tilth/core/shared_glsl.h"
 #include "tilth/gl/api.h"
@@ -45,12 +47,13 @@ std::vector<std::uint16_t> mesh_indices() {
     return indices;
 }
 
-void describe_instances(gl::VertexArray& array, const gl::Buffer& instances, const gl::Buffer& indices) {
+/// Instances from the `first`-th of the buffer on: GL 3.3 has no base instance.
+void describe_instances(gl::VertexArray& array, const gl::Buffer& instances, std::size_t first = 0) {
     constexpr int stride = sizeof(DrawnBlock);
-    array.int_attribute(0, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, x), 1);
-    array.int_attribute(1, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, width), 1);
-    array.int_attribute(2, instances, 2, gl::AttributeType::Int, stride, offsetof(ClipmapBlock, level), 1);
-    array.index_buffer(indices);
+    const std::size_t at = first * sizeof(DrawnBlock);
+    array.int_attribute(0, instances, 2, gl::AttributeType::Int, stride, at + offsetof(ClipmapBlock, x), 1);
+    array.int_attribute(1, instances, 2, gl::AttributeType::Int, stride, at + offsetof(ClipmapBlock, width), 1);
+    array.int_attribute(2, instances, 2, gl::AttributeType::Int, stride, at + offsetof(ClipmapBlock, level), 1);
 }
 
 Vec3f normalised(const Vec3f& v) {
@@ -83,8 +86,15 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
     if (map.precision == HeightPrecision::bits16) features.emplace_back("BITS16", "1");
     if (map.mirrored) features.emplace_back("MIRRORED", "1");
     if (map.slopes == SlopeFormat::rg16f) features.emplace_back("SLOPES_RG16F", "1");
-    auto program = shaders.program("terrain", "render/terrain.vert", "render/terrain.frag", features);
-    if (!program) return program.error();
+    std::vector<Shader> by_kind;
+    for (const char* const kind : {"ALL_OWN", "ALL_MORPHING", "ALL_REFINED", ""}) {
+        gl::Features of_kind = features;
+        if (*kind != '\0') of_kind.emplace_back(kind, "1");
+        auto program = shaders.program("terrain", "render/terrain.vert", "render/terrain.frag", of_kind);
+        if (!program) return program.error();
+        const Uniforms uniforms(*program);
+        by_kind.push_back({std::move(*program), uniforms});
+    }
 
     auto block_array = gl::VertexArray::create(device, "clipmap blocks");
     if (!block_array) return block_array.error();
@@ -101,63 +111,73 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
     auto weights =
         gl::TextureBuffer::create(device, "clipmap refinement", gl::Format::R32F, 1024, gl::BufferUsage::Stream);
     if (!weights) return weights.error();
-    return TerrainRenderer(device, settings, map, std::move(*program), std::move(*block_array),
-                           std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches),
-                           std::move(*weights));
+    return TerrainRenderer(device, settings, map, std::move(by_kind), std::move(*block_array), std::move(*stitch_array),
+                           std::move(*indices), std::move(*blocks), std::move(*stitches), std::move(*weights));
 }
 
 TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map,
-                                 gl::Program program, gl::VertexArray block_array, gl::VertexArray stitch_array,
-                                 gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches,
-                                 gl::TextureBuffer node_weights)
+                                 std::vector<Shader> shaders_by_kind, gl::VertexArray block_array,
+                                 gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
+                                 gl::Buffer stitches, gl::TextureBuffer node_weights)
     : device_(&device),
       settings_(settings),
       map_(map),
       last_post_(map.mirrored ? Texel{MirroredSource::kSide - 1, MirroredSource::kSide - 1}
                               : Texel{map.grid.width - 1, map.grid.depth - 1}),
-      program_(std::move(program)),
+      shaders_(std::move(shaders_by_kind)),
       block_array_(std::move(block_array)),
       stitch_array_(std::move(stitch_array)),
       indices_(std::move(indices)),
       block_buffer_(std::move(blocks)),
       stitch_buffer_(std::move(stitches)),
       node_weights_(std::move(node_weights)) {
-    describe_instances(block_array_, block_buffer_, indices_);
-    describe_instances(stitch_array_, stitch_buffer_, indices_);
-    program_.sampler("u_high_plane", kHighUnit);
-    program_.sampler("u_low_plane", kLowUnit);
-    program_.sampler("u_slopes", kSlopeUnit);
-    program_.sampler("u_node_weights", kNodeUnit);
-    const auto find = [this](const char* name) { return program_.uniform(name); };
-    u_ = {.last_post = find("u_last_post"),
-          .stored_posts = find("u_stored_posts"),
-          .base_post = find("u_base_post"),
-          .fraction_m = find("u_fraction_m"),
-          .spacing_m = find("u_spacing_m"),
-          .eye_code = find("u_eye_code"),
-          .eye_above_code_m = find("u_eye_above_code_m"),
-          .code_quantum_m = find("u_code_quantum_m"),
-          .n = find("u_n"),
-          .zone_units = find("u_zone_units"),
-          .coarsest_level = find("u_coarsest_level"),
-          .clip_from_relative = find("u_clip_from_relative"),
-          .slopes_size_posts = find("u_slopes_size_posts"),
-          .slopes_last_level = find("u_slopes_last_level"),
-          .node_grids = find("u_node_grids"),
-          .base_stored_post = find("u_base_stored_post"),
-          .eye_tint = find("u_eye_tint"),
-          .to_light = find("u_to_light"),
-          .ambient = find("u_ambient"),
-          .diffuse = find("u_diffuse"),
-          .specular = find("u_specular"),
-          .specular_exponent = find("u_specular_exponent"),
-          .fog_colour = find("u_fog_colour"),
-          .fog_density = find("u_fog_density"),
-          .low_colour = find("u_low_colour"),
-          .high_colour = find("u_high_colour"),
-          .steep_colour = find("u_steep_colour"),
-          .cursor_m = find("u_cursor_m"),
-          .cursor_colour = find("u_cursor_colour")};
+    describe_instances(block_array_, block_buffer_);
+    block_array_.index_buffer(indices_);
+    describe_instances(stitch_array_, stitch_buffer_);
+    stitch_array_.index_buffer(indices_);
+    for (Shader& shader : shaders_) {
+        shader.program.sampler("u_high_plane", kHighUnit);
+        shader.program.sampler("u_low_plane", kLowUnit);
+        shader.program.sampler("u_slopes", kSlopeUnit);
+        shader.program.sampler("u_node_weights", kNodeUnit);
+    }
+}
+
+TerrainRenderer::Uniforms::Uniforms(gl::Program& program)
+    : last_post(program.uniform("u_last_post")),
+      stored_posts(program.uniform("u_stored_posts")),
+      base_post(program.uniform("u_base_post")),
+      fraction_m(program.uniform("u_fraction_m")),
+      spacing_m(program.uniform("u_spacing_m")),
+      eye_code(program.uniform("u_eye_code")),
+      eye_above_code_m(program.uniform("u_eye_above_code_m")),
+      code_quantum_m(program.uniform("u_code_quantum_m")),
+      n(program.uniform("u_n")),
+      zone_units(program.uniform("u_zone_units")),
+      coarsest_level(program.uniform("u_coarsest_level")),
+      clip_from_relative(program.uniform("u_clip_from_relative")),
+      slopes_size_posts(program.uniform("u_slopes_size_posts")),
+      slopes_last_level(program.uniform("u_slopes_last_level")),
+      node_grids(program.uniform("u_node_grids")),
+      base_stored_post(program.uniform("u_base_stored_post")),
+      eye_tint(program.uniform("u_eye_tint")),
+      to_light(program.uniform("u_to_light")),
+      ambient(program.uniform("u_ambient")),
+      diffuse(program.uniform("u_diffuse")),
+      specular(program.uniform("u_specular")),
+      specular_exponent(program.uniform("u_specular_exponent")),
+      fog_colour(program.uniform("u_fog_colour")),
+      fog_density(program.uniform("u_fog_density")),
+      low_colour(program.uniform("u_low_colour")),
+      high_colour(program.uniform("u_high_colour")),
+      steep_colour(program.uniform("u_steep_colour")),
+      cursor_m(program.uniform("u_cursor_m")),
+      cursor_colour(program.uniform("u_cursor_colour")) {}
+
+Result<void> TerrainRenderer::reload(gl::ShaderLibrary& shaders) {
+    for (Shader& shader : shaders_)
+        if (const Result<void> reloaded = shaders.reload(shader.program); !reloaded) return reloaded.error();
+    return {};
 }
 
 Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, const BrushCursor* cursor,
@@ -183,15 +203,26 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
     slopes.texture().bind(kSlopeUnit);
     if (!refinement_.weights.empty()) node_weights_.replace(std::as_bytes(std::span(refinement_.weights)));
     node_weights_.bind(kNodeUnit);
-    program_.bind();
-    set_uniforms(*camera, shading, cursor, slopes);
+    std::array<bool, kKinds> ready{};
+    const auto use = [&](Kind kind) {
+        const auto index = static_cast<std::size_t>(kind);
+        shaders_[index].program.bind();
+        if (!ready[index]) set_uniforms(shaders_[index], *camera, shading, cursor, slopes);
+        ready[index] = true;
+    };
 
     block_buffer_.replace(std::as_bytes(std::span(drawn_.blocks)));
-    block_array_.bind();
-    gl.DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr,
-                             static_cast<GLsizei>(drawn_.blocks.size()));
-    stats.draws += 1;
+    std::size_t first = 0;
+    for (const auto& [kind, count] : runs_) {
+        use(kind);
+        block_array_.bind();
+        describe_instances(block_array_, block_buffer_, first);
+        gl.DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(count));
+        stats.draws += 1;
+        first += count;
+    }
     if (!drawn_.stitches.empty()) {
+        use(Kind::General);
         gl.Disable(GL_CULL_FACE);   // a triangle without area has no front,
         gl.Enable(GL_DEPTH_CLAMP);  // and where a rasteriser finds a pixel in it, the depth there may be anything:
         gl.DepthFunc(view.depth == DepthConvention::Reversed ? GL_GEQUAL : GL_LEQUAL);  // still before the background
@@ -220,20 +251,43 @@ void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bo
         std::erase_if(drawn_.stitches, hidden);
     }
     std::erase_if(drawn_.stitches, [&](const DrawnBlock& s) { return s.base_level == debug_.omit_stitches_of_level; });
-    // Front to back: by the level of the surface, then by the distance of a block's middle.
+    // Front to back: by the level of the surface; blocks of one kind together; then by the distance of a block's
+    // middle.
     const auto distance = [&](const ClipmapBlock& b) {
         const double unit = std::ldexp(1.0, b.level);
         return std::max(std::abs((b.x + b.width * 0.5) * unit - camera.eye_posts.x),
                         std::abs((b.z + b.depth * 0.5) * unit - camera.eye_posts.z));
     };
-    std::stable_sort(drawn_.blocks.begin(), drawn_.blocks.end(), [&](const DrawnBlock& a, const DrawnBlock& b) {
-        return a.base_level != b.base_level ? a.base_level < b.base_level : distance(a.block) < distance(b.block);
-    });
+    const auto order = [&](const DrawnBlock& drawn) {
+        return std::tuple(drawn.base_level, kind_of(drawn, camera), distance(drawn.block));
+    };
+    std::stable_sort(drawn_.blocks.begin(), drawn_.blocks.end(),
+                     [&](const DrawnBlock& a, const DrawnBlock& b) { return order(a) < order(b); });
+    runs_.clear();
+    for (const DrawnBlock& drawn : drawn_.blocks) {
+        const Kind kind = kind_of(drawn, camera);
+        if (runs_.empty() || runs_.back().first != kind) runs_.emplace_back(kind, 0);
+        ++runs_.back().second;
+    }
     counts_.blocks = static_cast<std::uint32_t>(drawn_.blocks.size());
     counts_.refined_blocks = static_cast<std::uint32_t>(
         std::count_if(drawn_.blocks.begin(), drawn_.blocks.end(),
                       [](const DrawnBlock& drawn) { return drawn.base_level != drawn.block.level; }));
     counts_.stitches = static_cast<std::uint32_t>(drawn_.stitches.size());
+}
+
+TerrainRenderer::Kind TerrainRenderer::kind_of(const DrawnBlock& drawn, const Camera& camera) const {
+    if (drawn.base_level != drawn.block.level) return Kind::Refined;
+    if (drawn.base_level == settings_.levels - 1) return Kind::Own;
+    // The farthest corner decides; half a unit more than the float's rounding of a distance below 2^10 units.
+    const ClipmapBlock& b = drawn.block;
+    const double unit = std::ldexp(1.0, b.level);
+    const double farthest =
+        std::max({std::abs(b.x - camera.eye_posts.x / unit), std::abs(b.x + b.width - camera.eye_posts.x / unit),
+                  std::abs(b.z - camera.eye_posts.z / unit), std::abs(b.z + b.depth - camera.eye_posts.z / unit)});
+    const float alpha = shared::morph_alpha(static_cast<float>(farthest) + 0.5f, settings_.n,
+                                            shared::morph_zone_units(settings_.n, static_cast<float>(settings_.blend)));
+    return alpha > 0 ? Kind::Morphing : Kind::Own;
 }
 
 bool TerrainRenderer::is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds) const {
@@ -280,61 +334,62 @@ void TerrainRenderer::set_state(const View& view) {
     } else {
         gl.Disable(GL_CULL_FACE);
     }
-    for (const GLenum off :
-         {GL_BLEND, GL_DITHER, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_STENCIL_TEST,
-          GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_SAMPLE_ALPHA_TO_COVERAGE,
-          GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
+    for (const GLenum off : {GL_BLEND, GL_DITHER, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_STENCIL_TEST,
+                             GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_SAMPLE_ALPHA_TO_COVERAGE,
+                             GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
         gl.Disable(off);
     for (GLenum plane = 0; plane < 8; ++plane) gl.Disable(GL_CLIP_DISTANCE0 + plane);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void TerrainRenderer::set_uniforms(const Camera& camera, const Shading& shading, const BrushCursor* cursor,
-                                   const SlopeMap& slopes) {
+void TerrainRenderer::set_uniforms(const Shader& shader, const Camera& camera, const Shading& shading,
+                                   const BrushCursor* cursor, const SlopeMap& slopes) const {
+    const gl::Program& program = shader.program;
+    const Uniforms& u = shader.uniforms;
     const GridSpec& grid = map_.grid;
     const auto f = [](double value) { return static_cast<float>(value); };
-    program_.set(u_.last_post, last_post_.x, last_post_.z);
-    program_.set(u_.stored_posts, grid.width, grid.depth);
-    program_.set(u_.base_post, camera.base_x, camera.base_z);
-    program_.set(u_.fraction_m, camera.fraction_x_m, camera.fraction_z_m);
-    program_.set(u_.spacing_m, f(grid.spacing_m));
-    program_.set(u_.eye_code, camera.eye_code);
-    program_.set(u_.eye_above_code_m, camera.eye_above_code_m);
-    program_.set(u_.code_quantum_m, f(map_.codec.code_quantum_m()));
-    program_.set(u_.n, settings_.n);
-    program_.set(u_.zone_units, shared::morph_zone_units(settings_.n, f(settings_.blend)));
-    program_.set(u_.coarsest_level, settings_.levels - 1);
-    program_.set_mat4(u_.clip_from_relative, camera.clip_from_relative.data());
-    program_.set(u_.slopes_size_posts, f(slopes.padded_width()), f(slopes.padded_depth()));
-    program_.set(u_.slopes_last_level, slopes.texture().levels() - 1);
-    program_.set(u_.base_stored_post, f(stored_base(camera.base_x, grid.width, map_.mirrored)),
-                 f(stored_base(camera.base_z, grid.depth, map_.mirrored)));
+    program.set(u.last_post, last_post_.x, last_post_.z);
+    program.set(u.stored_posts, grid.width, grid.depth);
+    program.set(u.base_post, camera.base_x, camera.base_z);
+    program.set(u.fraction_m, camera.fraction_x_m, camera.fraction_z_m);
+    program.set(u.spacing_m, f(grid.spacing_m));
+    program.set(u.eye_code, camera.eye_code);
+    program.set(u.eye_above_code_m, camera.eye_above_code_m);
+    program.set(u.code_quantum_m, f(map_.codec.code_quantum_m()));
+    program.set(u.n, settings_.n);
+    program.set(u.zone_units, shared::morph_zone_units(settings_.n, f(settings_.blend)));
+    program.set(u.coarsest_level, settings_.levels - 1);
+    program.set_mat4(u.clip_from_relative, camera.clip_from_relative.data());
+    program.set(u.slopes_size_posts, f(slopes.padded_width()), f(slopes.padded_depth()));
+    program.set(u.slopes_last_level, slopes.texture().levels() - 1);
+    program.set(u.base_stored_post, f(stored_base(camera.base_x, grid.width, map_.mirrored)),
+                f(stored_base(camera.base_z, grid.depth, map_.mirrored)));
 
     std::vector<std::int32_t> grids;
     for (const NodeGrid& nodes : refinement_.grids)
         for (const std::int32_t value : {nodes.min_x, nodes.min_z, nodes.width, nodes.first}) grids.push_back(value);
-    program_.set_ivec4s(u_.node_grids, grids);
+    program.set_ivec4s(u.node_grids, grids);
 
     const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1e-6);
-    program_.set(u_.eye_tint, f(1 / tint_span),
-                 f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
-    set(program_, u_.to_light, normalised(shading.to_light));
-    program_.set(u_.ambient, shading.ambient);
-    program_.set(u_.diffuse, shading.diffuse);
-    program_.set(u_.specular, shading.specular);
-    program_.set(u_.specular_exponent, shading.specular_exponent);
-    set(program_, u_.fog_colour, shading.fog_colour);
-    program_.set(u_.fog_density, f(shading.fog_density));
-    set(program_, u_.low_colour, shading.low_colour);
-    set(program_, u_.high_colour, shading.high_colour);
-    set(program_, u_.steep_colour, shading.steep_colour);
+    program.set(u.eye_tint, f(1 / tint_span),
+                f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
+    set(program, u.to_light, normalised(shading.to_light));
+    program.set(u.ambient, shading.ambient);
+    program.set(u.diffuse, shading.diffuse);
+    program.set(u.specular, shading.specular);
+    program.set(u.specular_exponent, shading.specular_exponent);
+    set(program, u.fog_colour, shading.fog_colour);
+    program.set(u.fog_density, f(shading.fog_density));
+    set(program, u.low_colour, shading.low_colour);
+    set(program, u.high_colour, shading.high_colour);
+    set(program, u.steep_colour, shading.steep_colour);
     if (cursor != nullptr && cursor->radius_m > 0) {
-        program_.set(u_.cursor_m, f(cursor->centre.x - grid.origin.x - camera.eye_x_m),
-                     f(cursor->centre.z - grid.origin.z - camera.eye_z_m), f(cursor->radius_m));
-        set(program_, u_.cursor_colour, cursor->colour);
+        program.set(u.cursor_m, f(cursor->centre.x - grid.origin.x - camera.eye_x_m),
+                    f(cursor->centre.z - grid.origin.z - camera.eye_z_m), f(cursor->radius_m));
+        set(program, u.cursor_colour, cursor->colour);
     } else {
-        program_.set(u_.cursor_m, 0.0f, 0.0f, 0.0f);
+        program.set(u.cursor_m, 0.0f, 0.0f, 0.0f);
     }
 }
 

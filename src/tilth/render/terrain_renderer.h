@@ -1,7 +1,8 @@
-// Draws the ground: one instanced draw of clipmap blocks, one of stitches.
+// Draws the ground: instanced draws of clipmap blocks, and of the stitches between their levels.
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "tilth/core/result.h"
@@ -48,10 +49,10 @@ struct RenderCounts {
 /// One mesh of 33 x 33 vertices without a vertex buffer serves every block; the vertex shader reads the height planes.
 /// Colours are linear RGB. Whether they are encoded is the host's choice and left as it is: with GL_FRAMEBUFFER_SRGB
 /// enabled and an sRGB target GL encodes them, else they are stored as they are.
-/// Cost: two draws, at most (n / 32)^2 * levels blocks of 2 048 triangles (four times as many where
-/// all ground is rough), 24 bytes streamed for each.
-/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`; draws into the bound draw
-/// framebuffer, viewport (0, 0, width, height), and sets every other state that it depends on. Clears nothing.
+/// Cost: a draw for each level and kind of block and one for the stitches, at most (n / 32)^2 * levels blocks of 2 048
+/// triangles (four times as many where all ground is rough), 24 bytes streamed for each. Thread: the one that owns the
+/// context. GL state: the caller holds a `gl::StateGuard`; draws into the bound draw framebuffer, viewport (0, 0,
+/// width, height), and sets every other state that it depends on. Clears nothing.
 class TerrainRenderer {
 public:
     /// Fails with InvalidArgument (settings, map) or ShaderCompile.
@@ -64,7 +65,7 @@ public:
                       const SlopeMap& slopes, const HeightBounds& bounds, gl::StageStats& stats);
 
     /// Reads the shaders again; on failure the last good ones stay in use.
-    Result<void> reload(gl::ShaderLibrary& shaders) { return shaders.reload(program_); }
+    Result<void> reload(gl::ShaderLibrary& shaders);
 
     [[nodiscard]] RendererDebug& debug() { return debug_; }
     [[nodiscard]] const RenderCounts& last_counts() const { return counts_; }
@@ -75,31 +76,42 @@ public:
     [[nodiscard]] Texel last_post() const { return last_post_; }
 
 private:
+    /// What a block's vertices need; a program for each (`render/terrain.vert`). Stitches take the general one.
+    enum class Kind { Own, Morphing, Refined, General };
+    static constexpr std::size_t kKinds = 4;
+
     struct Uniforms {
+        explicit Uniforms(gl::Program& program);
         gl::Uniform last_post, stored_posts, base_post, fraction_m, spacing_m, eye_code, eye_above_code_m,
             code_quantum_m, n, zone_units, coarsest_level, clip_from_relative, slopes_size_posts, slopes_last_level,
             node_grids, base_stored_post, eye_tint, to_light, ambient, diffuse, specular, specular_exponent, fog_colour,
             fog_density, low_colour, high_colour, steep_colour, cursor_m, cursor_colour;
     };
-    TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map, gl::Program program,
-                    gl::VertexArray block_array, gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
-                    gl::Buffer stitches, gl::TextureBuffer node_weights);
+    struct Shader {
+        gl::Program program;
+        Uniforms uniforms;
+    };
+    TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map,
+                    std::vector<Shader> shaders_by_kind, gl::VertexArray block_array, gl::VertexArray stitch_array,
+                    gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches, gl::TextureBuffer node_weights);
     [[nodiscard]] bool is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds) const;
     void choose_blocks(const Camera& camera, const HeightBounds& bounds);
+    [[nodiscard]] Kind kind_of(const DrawnBlock& drawn, const Camera& camera) const;
     void set_state(const View& view);
-    void set_uniforms(const Camera& camera, const Shading& shading, const BrushCursor* cursor, const SlopeMap& slopes);
+    void set_uniforms(const Shader& shader, const Camera& camera, const Shading& shading, const BrushCursor* cursor,
+                      const SlopeMap& slopes) const;
 
     gl::Device* device_;
     ClipmapSettings settings_;
     MapInfo map_;
     Texel last_post_;
-    gl::Program program_;
-    Uniforms u_;
+    std::vector<Shader> shaders_;  ///< by kind
     gl::VertexArray block_array_, stitch_array_;
     gl::Buffer indices_, block_buffer_, stitch_buffer_;
     gl::TextureBuffer node_weights_;
-    ClipmapRefinement refinement_;  ///< of the current draw
-    DrawnBlocks drawn_;             ///< of the current draw
+    ClipmapRefinement refinement_;                    ///< of the current draw
+    DrawnBlocks drawn_;                               ///< of the current draw
+    std::vector<std::pair<Kind, std::size_t>> runs_;  ///< of the current draw: blocks of one kind one behind the other
     RendererDebug debug_;
     RenderCounts counts_;
 };

@@ -21,10 +21,10 @@ struct PostPos {
 
 /// The posts of a map: post (i, j) lies at origin + spacing * (i, j), 0 <= i < width, 0 <= j < depth.
 struct GridSpec {
-    WorldPos origin;            ///< of post (0, 0), metres
-    double spacing_m = 1.0;     ///< between neighbouring posts, > 0
-    std::int32_t width = 0;     ///< posts along +x, >= 2
-    std::int32_t depth = 0;     ///< posts along +z, >= 2
+    WorldPos origin;         ///< of post (0, 0), metres
+    double spacing_m = 1.0;  ///< between neighbouring posts, > 0
+    std::int32_t width = 0;  ///< posts along +x, >= 2
+    std::int32_t depth = 0;  ///< posts along +z, >= 2
 
     friend bool operator==(const GridSpec&, const GridSpec&) = default;
 
