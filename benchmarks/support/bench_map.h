@@ -39,7 +39,7 @@ public:
         const StampRecord record{.centre_x = static_cast<std::int64_t>(x * 16777216),
                                  .centre_z = static_cast<std::int64_t>(z * 16777216),
                                  .shape = static_cast<std::uint32_t>(profile),
-                                 .radius = static_cast<std::uint32_t>(radius * 1024),
+                                 .radius = static_cast<std::uint32_t>(radius * 262144),
                                  .amplitude = 65536,
                                  .level = kMidCode,
                                  .key = 1,

@@ -26,6 +26,8 @@ Shading shading_of(const ViewPart& part, double low_m, double high_m) {
     shading.fog_colour = part.clear;
     shading.fog_density = part.fog_per_m;
     if (part.to_light) shading.to_light = {float(part.to_light->x), float(part.to_light->y), float(part.to_light->z)};
+    if (part.ambient) shading.ambient = float(*part.ambient);
+    if (part.diffuse) shading.diffuse = float(*part.diffuse);
     shading.tint_low_m = part.tint_m ? (*part.tint_m)[0] : low_m;
     shading.tint_high_m = part.tint_m ? (*part.tint_m)[1] : high_m;
     return shading;

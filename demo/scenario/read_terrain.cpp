@@ -93,8 +93,11 @@ void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
             reader.wrong("light", "is [0, 0, 0]; allowed: a direction that is not zero");
         view.to_light = Vec3d{(*l)[0], (*l)[1], (*l)[2]};
     }
+    const Range strength{0, 100, false, "a factor on the ground's colour from 0 to 100"};
+    view.ambient = reader.number("ambient", strength);
+    view.diffuse = reader.number("diffuse", strength);
     if (const auto t = reader.numbers("tint", 2, 2, kHeight)) view.tint_m = {(*t)[0], (*t)[1]};
-    if (const toml::table* table = reader.table("clipmap", "a table { n, levels, blend }")) {
+    if (const toml::table* table = reader.table("clipmap", "a table { n, levels, blend, refine_above_px }")) {
         TableReader inner(*table, "clipmap", reader.line_of("clipmap"), reader.problems());
         if (const auto n = inner.integer("n", 15, 1023)) {
             if (((*n + 1) & *n) == 0)
@@ -104,6 +107,8 @@ void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
         }
         clipmap.levels = static_cast<std::int32_t>(inner.integer("levels", 1, 16).value_or(clipmap.levels));
         clipmap.blend = inner.number("blend", {0.02, 0.25, false, "a share from 0.02 to 0.25"}).value_or(clipmap.blend);
+        const Range pixels{0.1, 1e6, false, "pixels from 0.1 to 1e6"};
+        clipmap.refine_above_px = inner.number("refine_above_px", pixels).value_or(clipmap.refine_above_px);
         inner.finish();
     }
     reader.finish();

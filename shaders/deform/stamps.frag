@@ -48,11 +48,11 @@ int profile_weight(StampParams s, int x, int z) {
 
 int image_weight(StampParams s, int x, int z) {
     int u = image_u(s, x, z), v = image_v(s, x, z);
-    if (!image_covers(u, s.image_width, s.position_bits) || !image_covers(v, s.image_height, s.position_bits)) return 0;
-    int left = image_texel(u, s.position_bits), top = image_texel(v, s.position_bits), width = int(s.image_width);
+    if (!image_covers(u, s.image_width, s.u_bits) || !image_covers(v, s.image_height, s.v_bits)) return 0;
+    int left = image_texel(u, s.u_bits), top = image_texel(v, s.v_bits), width = int(s.image_width);
     int x0 = max(left, 0), x1 = min(left + 1, width - 1);
     int y0 = int(s.table) + max(top, 0) * width, y1 = int(s.table) + min(top + 1, int(s.image_height) - 1) * width;
-    uint across = image_fraction(u, s.position_bits), down = image_fraction(v, s.position_bits);
+    uint across = image_fraction(u, s.u_bits), down = image_fraction(v, s.v_bits);
     return between_weights(between_weights(weight_entry(y0 + x0), weight_entry(y0 + x1), across),
                            between_weights(weight_entry(y1 + x0), weight_entry(y1 + x1), across), down);
 }

@@ -20,8 +20,8 @@ uint mul_high(uint a, uint b) {
     return a_high * b_high + (cross_1 >> 16) + (cross_2 >> 16) + (middle >> 16);
 }
 
-// Integer square root of x * x + z * z, |x|, |z| < 2^24: a float estimate, corrected to the exact integer.
-// float(n) may round to 24 bits and sqrt may err by a few ulp, so the estimate is off by at most 4 (root < 2^24.5).
+// Integer square root of x * x + z * z, |x|, |z| < 2^23: a float estimate, corrected to the exact integer.
+// float(n) may round to 24 bits and sqrt may err by a few ulp, so the estimate is off by at most 4 (root < 2^23.5).
 uint root_of_squares(int x, int z) {
     uint ax = uint(abs(x)), az = uint(abs(z));
     uint x_high = mul_high(ax, ax), z_high = mul_high(az, az);

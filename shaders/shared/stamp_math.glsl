@@ -20,7 +20,7 @@ SHARED_FUNCTION uint profile_position(StampParams s, uint distance) {
 SHARED_FUNCTION int profile_entry(uint position) { return int(position >> 21); }                  // 0..1023
 SHARED_FUNCTION uint profile_fraction(uint position) { return (position >> 7) & 16383u; }         // 14 bits
 
-// Image position of a texel: `position_bits` fraction bits, pixel centres at integers. Wraps like 32-bit integers do.
+// Image position of a texel: `u_bits` and `v_bits` fraction bits, pixel centres at integers. Wraps like 32-bit integers do.
 SHARED_FUNCTION int image_u(StampParams s, int x, int z) {
     return int(uint(s.u_centre) + uint(x - s.centre_x) * uint(s.u_per_x) + uint(z - s.centre_z) * uint(s.u_per_z));
 }

@@ -16,11 +16,12 @@ struct StampParams {
     uint residue;                       // magnitude in codes, added at the centre texel (zero-volume profiles)
     uint table;                         // GPU only: row of the profile texture, or first texel of the image
     uint image_width, image_height;     // texels
-    uint position_bits;                 // fraction bits of image positions
+    uint u_bits;                        // fraction bits of image positions along the image's x axis,
     int u_centre, v_centre;             // image position of the centre texel
     int u_per_x, u_per_z;               // image position's step per texel of the map
     int v_per_x, v_per_z;
-    uint unused_1, unused_2;
+    uint v_bits;                        // and along its y axis
+    uint unused;
 };
 #define STAMP_RULE_MASK 7u
 #define STAMP_RULE_ADD 0u

@@ -42,7 +42,7 @@ Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& s
                           .precision = precision};
     const std::int64_t middle = std::int64_t{kMapPosts / 2} << 24;
     const StampRecord record{
-        .centre_x = middle, .centre_z = middle, .radius = 32 * 1024, .amplitude = 1u << 20, .key = 1};
+        .centre_x = middle, .centre_z = middle, .radius = 32u << 18, .amplitude = 1u << 20, .key = 1};
     const PreparedStamp stamp = prepare(record, map, shapes);
 
     HeightField field(kMapPosts, kMapPosts);

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "demo/corpus.h"
+#include "demo/player/viewer.h"
 #include "demo/scenario/read_scenario.h"
 #include "demo/stats/run_report.h"
 #include "demo/world/open_world.h"
@@ -110,6 +111,11 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->terrain.settings.executor, ExecutorKind::Cpu);
     EXPECT_EQ(scenario->terrain.settings.slopes, SlopeFormat::rg16f);
     EXPECT_EQ(scenario->terrain.settings.clipmap.n, 127);
+    EXPECT_EQ(scenario->terrain.settings.clipmap.levels, 4);
+    EXPECT_EQ(scenario->terrain.settings.clipmap.blend, 0.2);
+    EXPECT_EQ(scenario->terrain.settings.clipmap.refine_above_px, 2.5);
+    EXPECT_EQ(scenario->view.ambient, 0.5);
+    EXPECT_EQ(scenario->view.diffuse, 1.25);
     EXPECT_EQ(scenario->view.width, 320);
     EXPECT_EQ(scenario->view.fov_degrees, 45);
     ASSERT_EQ(scenario->steps.size(), 15u);
@@ -130,6 +136,20 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     const auto& stat = std::get<ExpectStat>(std::get<ExpectStep>(scenario->steps[14].action).what);
     EXPECT_EQ(stat.path, "last_frame.deform.passes");
     EXPECT_EQ(scenario->steps[14].number, 15);
+}
+
+TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
+    Problems problems;
+    const auto plain = parsed("[view]\nclipmap = { n = 63 }\n", problems);
+    const auto lit = parsed("[view]\nambient = 0\ndiffuse = 100\nclipmap = { refine_above_px = 0.1 }\n", problems);
+    ASSERT_TRUE(plain && lit) << problems.report("F");
+    EXPECT_EQ(plain->terrain.settings.clipmap.refine_above_px, ClipmapSettings().refine_above_px);
+    EXPECT_EQ(lit->terrain.settings.clipmap.refine_above_px, 0.1) << "the lowest that is allowed";
+    const Shading own = shading_of(plain->view, 0, 1), given = shading_of(lit->view, 0, 1);
+    EXPECT_EQ(own.ambient, Shading().ambient);
+    EXPECT_EQ(own.diffuse, Shading().diffuse);
+    EXPECT_EQ(given.ambient, 0.0f);
+    EXPECT_EQ(given.diffuse, 100.0f);
 }
 
 TEST(ReadScenario, AnAutoStampGoesToTheCoarseMapFromEightPostsOn) {

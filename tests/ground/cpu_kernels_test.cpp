@@ -24,7 +24,7 @@ struct Draw {
         record.shape = below(shapes.size());
         record.rule = static_cast<StampRule>(below(5));
         const double radius_texels = 0.3 * std::pow(200 / 0.3, unit() * (below(8) == 0 ? 1.0 : 0.75));
-        record.radius = static_cast<std::uint32_t>(radius_texels * 1024);
+        record.radius = static_cast<std::uint32_t>(radius_texels * 262144);
         const double x = (unit() * 1.2 - 0.1) * kWidth, z = (unit() * 1.2 - 0.1) * kDepth;
         record.centre_x = std::llround((map.grid.origin.x + map.grid.spacing_m * x) * 16777216.0);
         record.centre_z = std::llround((map.grid.origin.z + map.grid.spacing_m * z) * 16777216.0);

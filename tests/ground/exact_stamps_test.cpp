@@ -96,7 +96,7 @@ TEST(ExactStamps, AMillionStampsAtOnePlaceAreTheSumInIntegers) {
             sum[t] +=
                 definition.change(static_cast<int>(t) % 24, static_cast<int>(t) / 24) * (1000000 / kRecords / 200);
         prepared.push_back(prepare(record, map, shapes));
-        const double least = shapes.shape({record.shape}).least_radius_texels * 1024;
+        const double least = shapes.shape({record.shape}).least_radius_texels * 262144;
         const double widening = record.radius < least ? record.radius / least : 1.0;
         real_m += (i % 2 == 0 ? 1 : -1) * amplitude_m * widening * widening * (1000000.0 / kRecords / 200);
     }

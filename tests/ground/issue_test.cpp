@@ -27,6 +27,8 @@ std::vector<Bad> bad_requests() {
         bad.push_back({field, request});
     };
     add("shape", [](StampRequest& r) { r.shape = {6}; });
+    add("rule", [](StampRequest& r) { r.rule = static_cast<StampRule>(9); });
+    add("map", [](StampRequest& r) { r.map = static_cast<MapChoice>(7); });
     add("shape", [](StampRequest& r) { r.shape = {0xffffffffu}; });
     for (const double v : {kNan, kInf, -kInf, 1.1e10}) {
         add("centre", [&](StampRequest& r) { r.centre.x = v; });
@@ -79,7 +81,7 @@ TEST(Issue, TakesTheEndsOfTheAllowedRanges) {
         change(request);
         return test::issued(*ground, request);
     };
-    EXPECT_EQ(taken([](StampRequest& r) { r.radius_m = std::nextafter(8192.0 / 3, 0.0) - 1e-6; }).radius, 1u << 23);
+    EXPECT_EQ(taken([](StampRequest& r) { r.radius_m = std::nextafter(8192.0 / 3, 0.0) - 1e-6; }).radius, (1u << 31) - 1u);
     EXPECT_EQ(taken([](StampRequest& r) { r.amplitude_m = 16 - 0x1p-28; }).amplitude, 0xffffffffu);
     EXPECT_EQ(taken([](StampRequest& r) { r.amplitude_m = -16 + 0x1p-28; }).negative, 1);
     EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Smooth, r.amplitude_m = 1; }).amplitude, 65536u);
@@ -94,7 +96,7 @@ TEST(Issue, TakesTheEndsOfTheAllowedRanges) {
     });
     EXPECT_EQ(record.centre_x, -(std::int64_t{33} << 23));
     EXPECT_EQ(record.centre_z, 1);
-    EXPECT_EQ(record.radius, 3072u);
+    EXPECT_EQ(record.radius, 3u << 18);
     EXPECT_EQ(record.amplitude, static_cast<std::uint32_t>(std::lround(0.1 * 0x1p28)));
     EXPECT_EQ(record.mirror, 1);
     EXPECT_EQ(record.shape_hash, ground->shapes().shape({5}).hash);

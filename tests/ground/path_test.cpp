@@ -29,6 +29,13 @@ TEST(Path, StampsAreSpacedByDistanceRoundCorners) {
     }
 }
 
+TEST(Path, TheLastStampIsNotLostToRounding) {
+    // 0.1 + 0.1 + 0.1 > 0.3 in doubles.
+    EXPECT_EQ(along({.points = {{0, 0}, {0.3, 0}}, .spacing_m = 0.1}).size(), 4u);
+    EXPECT_EQ(along({.points = {{0, 0}, {0.1, 0}, {0.2, 0}, {0.3, 0}}, .spacing_m = 0.1}).size(), 4u);
+    EXPECT_EQ(along({.points = {{0, 0}, {0.299, 0}}, .spacing_m = 0.1}).size(), 3u);
+}
+
 TEST(Path, SidesAlternateLeftFirstAndEverySecondIsMirrored) {
     for (const bool mirror : {false, true}) {
         const std::vector<StampRequest> stamps =

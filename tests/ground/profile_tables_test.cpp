@@ -112,5 +112,17 @@ TEST(Turn, AnglesBecomeTurns) {
     }
 }
 
+TEST(DirectionAngle, IsAtan2WithoutLibm) {
+    EXPECT_EQ(direction_angle(0, 0), 0);
+    EXPECT_EQ(direction_angle(1, 0), 0);
+    EXPECT_EQ(turns_of(direction_angle(0, 1)), 1u << 30) << "quarter turns are exact";
+    EXPECT_EQ(turns_of(direction_angle(-1, 0)), 1u << 31);
+    EXPECT_EQ(turns_of(direction_angle(0, -1)), 3u << 30);
+    for (int i = 0; i < 100000; ++i) {
+        const double x = std::cos(i * 0.7) * (1 + i % 7), y = std::sin(i * 1.3) * (1 + i % 11);
+        ASSERT_NEAR(direction_angle(x, y), std::atan2(y, x), 1e-14) << x << ", " << y;
+    }
+}
+
 }  // namespace
 }  // namespace tilth

@@ -51,15 +51,16 @@ public:
         : record_(record),
           map_(map),
           shape_(shapes.shape({record.shape})),
-          radius_(std::max<Int64>(record.radius, 1)),
+          radius_(std::max<Int64>(record.radius, 1)),  // 2^-18 texel until widened
           amplitude_(record.amplitude),
           bits16_(map.precision == HeightPrecision::bits16) {
-        const auto least = static_cast<Int64>(std::floor(shape_.least_radius_texels * 1024));
+        const auto least = static_cast<Int64>(std::floor(shape_.least_radius_texels * 1024)) * 256;
         if (radius_ < least) {
             if (record.rule == StampRule::Add)
                 amplitude_ = nearest_away(Int128{amplitude_} * radius_ * radius_, Int128{least} * least);
             radius_ = least;
         }
+        radius_ = floor_of_quotient(radius_ + 128, 256);
         centre_x_ = sub_texels(record.centre_x, map.grid.origin.x);
         centre_z_ = sub_texels(record.centre_z, map.grid.origin.z);
         texel_x_ = floor_of_quotient(centre_x_ + 512, 1024);
@@ -132,31 +133,35 @@ private:
 
     void set_image() {
         const SineCosine turn = sine_cosine(record_.rotation);
-        const Int64 largest = std::max(shape_.width, shape_.height);
-        bits_ = 30;
-        for (Int64 n = 1; n < largest; n *= 2) --bits_;
-        const auto step = [&](Int64 size, Int64 direction) {
-            return nearest_away(Int128{direction} * size * 512 * (Int64{1} << bits_), Int128{radius_} << 30);
+        const auto bits_of = [](Int64 size) {
+            Int64 bits = 30;
+            for (Int64 n = 1; n < size; n *= 2) --bits;
+            return bits;
+        };
+        u_bits_ = bits_of(shape_.width);
+        v_bits_ = bits_of(shape_.height);
+        const auto step = [&](Int64 size, Int64 bits, Int64 direction) {
+            return nearest_away(Int128{direction} * size * 512 * (Int64{1} << bits), Int128{radius_} << 30);
         };
         const Int64 flip = record_.mirror != 0 ? -1 : 1;
-        u_per_x_ = step(shape_.width, flip * turn.cosine);
-        u_per_z_ = step(shape_.width, -flip * turn.sine);
-        v_per_x_ = step(shape_.height, turn.sine);
-        v_per_z_ = step(shape_.height, turn.cosine);
+        u_per_x_ = step(shape_.width, u_bits_, flip * turn.cosine);
+        u_per_z_ = step(shape_.width, u_bits_, -flip * turn.sine);
+        v_per_x_ = step(shape_.height, v_bits_, turn.sine);
+        v_per_z_ = step(shape_.height, v_bits_, turn.cosine);
         const Int64 offset_x = centre_x_ - texel_x_ * 1024, offset_z = centre_z_ - texel_z_ * 1024;
-        u_centre_ = Int64{shape_.width - 1} * (Int64{1} << bits_) / 2 -
+        u_centre_ = Int64{shape_.width - 1} * (Int64{1} << u_bits_) / 2 -
                     nearest_away(offset_x * u_per_x_ + offset_z * u_per_z_, 1024);
-        v_centre_ = Int64{shape_.height - 1} * (Int64{1} << bits_) / 2 -
+        v_centre_ = Int64{shape_.height - 1} * (Int64{1} << v_bits_) / 2 -
                     nearest_away(offset_x * v_per_x_ + offset_z * v_per_z_, 1024);
     }
 
     [[nodiscard]] Int64 image_weight(Int64 x, Int64 z) const {
-        const Int64 one = Int64{1} << bits_, dx = x - texel_x_, dz = z - texel_z_;
+        const Int64 one = Int64{1} << u_bits_, one_v = Int64{1} << v_bits_, dx = x - texel_x_, dz = z - texel_z_;
         const Int64 u = u_centre_ + dx * u_per_x_ + dz * u_per_z_, v = v_centre_ + dx * v_per_x_ + dz * v_per_z_;
         if (2 * u < -one || 2 * u >= (2 * Int64{shape_.width} - 1) * one) return 0;
-        if (2 * v < -one || 2 * v >= (2 * Int64{shape_.height} - 1) * one) return 0;
-        const Int64 column = floor_of_quotient(u, one), row = floor_of_quotient(v, one);
-        const Int64 across = (u - column * one) * 16384 / one, down = (v - row * one) * 16384 / one;
+        if (2 * v < -one_v || 2 * v >= (2 * Int64{shape_.height} - 1) * one_v) return 0;
+        const Int64 column = floor_of_quotient(u, one), row = floor_of_quotient(v, one_v);
+        const Int64 across = (u - column * one) * 16384 / one, down = (v - row * one_v) * 16384 / one_v;
         const auto pixel = [&](Int64 c, Int64 r) -> Int64 {
             c = std::clamp<Int64>(c, 0, shape_.width - 1);
             r = std::clamp<Int64>(r, 0, shape_.height - 1);
@@ -228,7 +233,7 @@ private:
     Int64 radius_, amplitude_;
     bool bits16_, doubtful_ = false;
     Int64 centre_x_ = 0, centre_z_ = 0, texel_x_ = 0, texel_z_ = 0, residue_ = 0;
-    Int64 bits_ = 0, u_centre_ = 0, v_centre_ = 0, u_per_x_ = 0, u_per_z_ = 0, v_per_x_ = 0, v_per_z_ = 0;
+    Int64 u_bits_ = 0, v_bits_ = 0, u_centre_ = 0, v_centre_ = 0, u_per_x_ = 0, u_per_z_ = 0, v_per_x_ = 0, v_per_z_ = 0;
 };
 
 }  // namespace tilth::reference

@@ -211,5 +211,17 @@ TEST(StampImage, WidensSmallImagesWithTheirVolume) {
     EXPECT_NEAR(sum / 2000, 1.0, 0.005);  // the baked 32 x 32 image itself holds its integral to 1e-3
 }
 
+TEST(StampImage, AThinLargeImageKeepsItsScaleOnBothAxes) {
+    ShapeLibrary shapes;
+    const std::vector<std::uint16_t> texels(4096, 65535);
+    const ShapeId thin = *shapes.add_image("thin", 1, 4096, texels);
+    const MapGeometry map{.grid = {.spacing_m = 1, .width = 64, .depth = 64}, .codec = HeightCodec::for_range(0, 10)};
+    StampRecord record{.shape = thin.value, .radius = 7000u << 18};
+    const StampParams params = prepare(record, map, shapes).params;
+    // Pixels a texel: size / (2 radius), to half a unit of the last fraction bit.
+    EXPECT_NEAR(std::ldexp(params.u_per_x, -static_cast<int>(params.u_bits)), 1 / 14000.0, std::ldexp(0.5, -30));
+    EXPECT_NEAR(std::ldexp(params.v_per_z, -static_cast<int>(params.v_bits)), 4096 / 14000.0, std::ldexp(0.5, -18));
+}
+
 }  // namespace
 }  // namespace tilth

@@ -21,7 +21,7 @@ TEST(StampPlacing, RectanglesHoldTheStampAndAreAtMostOneTexelWider) {
         record.centre_z -= static_cast<std::int64_t>(random() % (1u << 26));
         const TexelRect rect = prepare(record, map, shapes).rect();
         const double x = static_cast<double>(record.centre_x) * 0x1p-24,
-                     z = static_cast<double>(record.centre_z) * 0x1p-24, r = record.radius / 1024.0;
+                     z = static_cast<double>(record.centre_z) * 0x1p-24, r = record.radius / 262144.0;
         // Texels nearer than r on the axis are inside; nothing that is a texel further away is.
         EXPECT_LE(rect.min.x, static_cast<int>(std::floor(x - r)) + 1);
         EXPECT_GE(rect.min.x, static_cast<int>(std::floor(x - r - 1.0 / 1024)));

@@ -49,7 +49,7 @@ inline StampRecord record_at(double x_texels, double z_texels, double radius_tex
     StampRecord record{.map = MapKind::Detail, .rule = rule};
     record.centre_x = std::llround(x_texels * 16777216.0);
     record.centre_z = std::llround(z_texels * 16777216.0);
-    record.radius = static_cast<std::uint32_t>(std::lround(radius_texels * 1024));
+    record.radius = static_cast<std::uint32_t>(std::lround(radius_texels * 262144));
     record.amplitude = amplitude;
     record.level = kMidCode;
     record.shape = shape.value;

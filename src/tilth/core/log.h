@@ -7,7 +7,8 @@ namespace tilth {
 
 enum class LogLevel { Info, Warning, Error };
 
-/// Receives every message. May be called from any thread that uses the library, one call at a time.
+/// Receives every message. May be called from any thread that uses the library, one call at a time. It must not call
+/// `log` or `set_log_callback` itself.
 using LogCallback = void (*)(LogLevel level, std::string_view message, void* user);
 
 /// Replaces the log callback; `nullptr` restores the default (warnings and errors to stderr, info dropped).

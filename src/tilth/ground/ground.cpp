@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "tilth/core/hash.h"
@@ -119,6 +120,8 @@ Result<StampRecord> Ground::issue(const StampRequest& request) {
     if (!std::isfinite(request.rotation_rad))
         return invalid(text("rotation: ", request.rotation_rad, " is not finite"));
 
+    if (request.map > MapChoice::Detail) return invalid(text("map: ", static_cast<int>(request.map), " is no map"));
+    if (request.rule > StampRule::Smooth) return invalid(text("rule: ", static_cast<int>(request.rule), " is no rule"));
     const MapKind kind = settled_map(request);
     if (kind == MapKind::Detail && !settings_.detail) return invalid("map: this world has no detail map");
     if (kind == MapKind::Coarse && settings_.mirror)
@@ -158,7 +161,7 @@ Result<StampRecord> Ground::issue(const StampRequest& request) {
         return invalid(text("level: ", *request.level_m, " is not finite"));
     }
 
-    record.radius = static_cast<std::uint32_t>(std::floor(radius_texels * 1024 + 0.5));
+    record.radius = static_cast<std::uint32_t>(std::floor(radius_texels * 262144 + 0.5));
     record.centre_x = std::llround(request.centre.x * kFixedPerMetre);
     record.centre_z = std::llround(request.centre.z * kFixedPerMetre);
     record.shape = request.shape.value;
@@ -185,6 +188,7 @@ std::uint32_t Ground::coarse_code(Texel post) const {
 }
 
 double Ground::height_m(WorldPos at, MapSelect select) const {
+    if (std::isnan(at.x) || std::isnan(at.z)) return std::numeric_limits<double>::quiet_NaN();
     double height = 0;
     if (select != MapSelect::Detail) height += interpolated_m(coarse_map_, at, [&](Texel t) { return coarse_code(t); });
     if (select != MapSelect::Coarse && settings_.detail && !detail_.pages().empty())

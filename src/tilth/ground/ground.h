@@ -77,7 +77,7 @@ public:
     ApplyResult apply(const StampRecord& record);
 
     /// Height of the surface at `at`, metres: each map interpolated linearly on cells split along the diagonal from
-    /// (i, j) to (i + 1, j + 1). Outside the map the border's height continues.
+    /// (i, j) to (i + 1, j + 1). Outside the map the border's height continues. NaN in, NaN out.
     [[nodiscard]] double height_m(WorldPos at, MapSelect select = MapSelect::Sum) const;
 
     /// Original height of a coarse post, metres, as its code holds it.

@@ -2,10 +2,16 @@
 
 #include <cmath>
 
+#include "tilth/ground/turn.h"
+
 namespace tilth {
 namespace {
 
 constexpr double kMostStamps = 1e6;
+constexpr double kSlack = 1e-9;  // of the spacing: 0.3 m at 0.1 m are four stamps, whatever the rounding
+
+// IEEE operations only, here and in direction_angle: records must not depend on a machine's libm.
+double length_of(double x, double z) { return std::sqrt(x * x + z * z); }
 
 Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
 
@@ -22,7 +28,7 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
         if (!std::isfinite(path.points[i].x) || !std::isfinite(path.points[i].z))
             return invalid(text("points: point ", i, " is not finite"));
         if (i > 0)
-            length_m += std::hypot(path.points[i].x - path.points[i - 1].x, path.points[i].z - path.points[i - 1].z);
+            length_m += length_of(path.points[i].x - path.points[i - 1].x, path.points[i].z - path.points[i - 1].z);
     }
     if (!(length_m / path.spacing_m < kMostStamps))
         return invalid(
@@ -39,7 +45,7 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
             if (right) stamp.mirror = !stamp.mirror;
         }
         stamp.centre = at;
-        stamp.rotation_rad += std::atan2(-direction_z, direction_x);  // (1, 0) -> (cos, -sin) along the path
+        stamp.rotation_rad += direction_angle(direction_x, -direction_z);  // (1, 0) -> (cos, -sin) along the path
         if (stamp.key) *stamp.key += static_cast<std::uint32_t>(stamps.size());
         stamps.push_back(stamp);
     };
@@ -47,10 +53,10 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
     double next_m = 0, walked_m = 0;  // along the path
     for (std::size_t i = 1; i < path.points.size(); ++i) {
         const WorldPos from = path.points[i - 1], to = path.points[i];
-        const double segment_m = std::hypot(to.x - from.x, to.z - from.z);
+        const double segment_m = length_of(to.x - from.x, to.z - from.z);
         if (segment_m == 0) continue;
         const double direction_x = (to.x - from.x) / segment_m, direction_z = (to.z - from.z) / segment_m;
-        for (; next_m <= walked_m + segment_m; next_m = static_cast<double>(stamps.size()) * path.spacing_m) {
+        for (; next_m <= walked_m + segment_m + kSlack * path.spacing_m; next_m = static_cast<double>(stamps.size()) * path.spacing_m) {
             const double along_m = next_m - walked_m;
             place({from.x + direction_x * along_m, from.z + direction_z * along_m}, direction_x, direction_z);
         }

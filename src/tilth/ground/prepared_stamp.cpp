@@ -13,6 +13,7 @@ namespace {
 
 __extension__ using Int128 = __int128;
 
+constexpr std::int64_t kFineRadius = 256;  // steps of a record's radius in a sub-texel
 constexpr std::int64_t kSub = 1024;                         // sub-texels a texel
 constexpr std::uint32_t kResidueRadius = 256 * 1024;        // largest zero-volume stamp whose residue is returned
 constexpr std::int64_t kFarTexels = std::int64_t{1} << 30;  // further centres cannot touch a map
@@ -31,40 +32,47 @@ std::int64_t sub_texels(std::int64_t fixed, double origin, double spacing_m) {
     return static_cast<std::int64_t>(std::floor(metres / spacing_m * static_cast<double>(kSub) + 0.5));
 }
 
-// Widens a radius below the shape's least one; for add the amplitude shrinks so that the volume stays.
-void widen(StampParams& s, StampRule rule, const Shape& shape) {
-    const auto least = static_cast<std::uint32_t>(shape.least_radius_texels * static_cast<double>(kSub));
-    s.radius = std::max(s.radius, 1u);
-    if (s.radius >= least) return;
-    if (rule == StampRule::Add)
-        s.amplitude =
-            static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * s.radius * s.radius, Int128{least} * least));
-    s.radius = least;
+// Widens a radius below the shape's least one; for add the amplitude shrinks so that the volume stays. The record's radius
+// is finer than the map's sub-texels, so that this holds for stamps of a twentieth of a texel too.
+void set_radius(StampParams& s, const StampRecord& record, const Shape& shape) {
+    const auto least = static_cast<std::int64_t>(shape.least_radius_texels * static_cast<double>(kSub)) * kFineRadius;
+    const std::int64_t radius = std::max<std::int64_t>(record.radius, 1);
+    s.radius = static_cast<std::uint32_t>((std::max(radius, least) + kFineRadius / 2) / kFineRadius);
+    if (radius < least && record.rule == StampRule::Add)
+        s.amplitude = static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * radius * radius, Int128{least} * least));
+}
+
+// The place of one axis of an image: where the centre texel falls and how far a texel of the map steps in x and z. Positions
+// have as many fraction bits as the size leaves in 30 bits.
+struct ImageAxis {
+    std::uint32_t bits;
+    std::int32_t centre, per_x, per_z;
+};
+
+ImageAxis image_axis(const StampParams& s, std::int32_t size, std::int32_t direction_x, std::int32_t direction_z) {
+    ImageAxis axis{.bits = 30u - static_cast<std::uint32_t>(std::bit_width(static_cast<std::uint32_t>(size) - 1u))};
+    // Pixels a texel of the map: size / (2 radius); the directions are sines and cosines with 30 fraction bits.
+    const auto step = [&](std::int32_t direction) {
+        const Int128 scaled = Int128{direction} * size * (kSub / 2) * (Int128{1} << axis.bits);
+        return static_cast<std::int32_t>(rounded_div(scaled, Int128{s.radius} << 30));
+    };
+    axis.per_x = step(direction_x);
+    axis.per_z = step(direction_z);
+    const std::int64_t middle = (std::int64_t{size - 1} << axis.bits) / 2;
+    const std::int64_t shift = std::int64_t{s.offset_x} * axis.per_x + std::int64_t{s.offset_z} * axis.per_z;
+    axis.centre = static_cast<std::int32_t>(middle - rounded_div(shift, kSub));
+    return axis;
 }
 
 void set_image_matrix(StampParams& s, const StampRecord& record, const Shape& shape) {
     const SineCosine turn = sine_cosine(record.rotation);
-    const auto largest = static_cast<std::uint32_t>(std::max(shape.width, shape.height));
+    const std::int32_t flip = record.mirror != 0 ? -1 : 1;
+    const ImageAxis u = image_axis(s, shape.width, flip * turn.cosine, -flip * turn.sine);
+    const ImageAxis v = image_axis(s, shape.height, turn.sine, turn.cosine);
     s.image_width = static_cast<std::uint32_t>(shape.width);
     s.image_height = static_cast<std::uint32_t>(shape.height);
-    s.position_bits = 30u - static_cast<std::uint32_t>(std::bit_width(largest - 1u));
-    // Pixels a texel of the map: size / (2 radius), with position_bits fraction bits; sine and cosine carry 30 more.
-    const auto step = [&](std::int32_t size, std::int32_t direction) {
-        const Int128 scaled = Int128{direction} * size * (kSub / 2) * (Int128{1} << s.position_bits);
-        return static_cast<std::int32_t>(rounded_div(scaled, Int128{s.radius} << 30));
-    };
-    const std::int32_t flip = record.mirror != 0 ? -1 : 1;
-    s.u_per_x = step(shape.width, flip * turn.cosine);
-    s.u_per_z = step(shape.width, -flip * turn.sine);
-    s.v_per_x = step(shape.height, turn.sine);
-    s.v_per_z = step(shape.height, turn.cosine);
-    const auto centre = [&](std::int32_t size, std::int32_t per_x, std::int32_t per_z) {
-        const std::int64_t middle = (std::int64_t{size - 1} << s.position_bits) / 2;
-        const std::int64_t shift = std::int64_t{s.offset_x} * per_x + std::int64_t{s.offset_z} * per_z;
-        return static_cast<std::int32_t>(middle - rounded_div(shift, kSub));
-    };
-    s.u_centre = centre(shape.width, s.u_per_x, s.u_per_z);
-    s.v_centre = centre(shape.height, s.v_per_x, s.v_per_z);
+    s.u_bits = u.bits, s.u_centre = u.centre, s.u_per_x = u.per_x, s.u_per_z = u.per_z;
+    s.v_bits = v.bits, s.v_centre = v.centre, s.v_per_x = v.per_x, s.v_per_z = v.per_z;
 }
 
 // The texels whose centre lies less than `reach` sub-texels from the stamp's centre on either axis.
@@ -99,14 +107,13 @@ PreparedStamp prepare(const StampRecord& record, const MapGeometry& map, const S
     const Shape& shape = shapes.shape({record.shape});
     PreparedStamp prepared{.params = {}, .shape = &shape};
     StampParams& s = prepared.params;
-    s.radius = record.radius;
     s.amplitude = record.amplitude;
     s.level = record.level;
     s.key = record.key;
     s.flags = static_cast<std::uint32_t>(record.rule) | (shape.is_image ? STAMP_IMAGE : 0u) |
               (record.negative != 0 ? STAMP_NEGATIVE : 0u) |
               (map.precision == HeightPrecision::bits16 ? STAMP_BITS16 : 0u);
-    widen(s, record.rule, shape);
+    set_radius(s, record, shape);
     s.radius_shift = static_cast<std::uint32_t>(std::countl_zero(s.radius));
     s.radius_reciprocal = static_cast<std::uint32_t>(((std::uint64_t{1} << 63) - 1) / (s.radius << s.radius_shift));
 

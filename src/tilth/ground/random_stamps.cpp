@@ -40,7 +40,7 @@ std::vector<StampRequest> random_stamps(const RandomStamps& settings, const Grou
         stamp.rotation_rad = random.between(0, 2 * std::numbers::pi);
         stamp.mirror = random.unit() >= 0.5;
         if (stamp.rule == StampRule::Smooth)
-            stamp.amplitude_m = largest > 0 ? std::abs(stamp.amplitude_m) / largest : 0;
+            stamp.amplitude_m = largest > 0 ? std::min(1.0, std::abs(stamp.amplitude_m) / largest) : 0;
         if (stamp.rule == StampRule::Min || stamp.rule == StampRule::Max || stamp.rule == StampRule::Set) {
             if (ground.settled_map(stamp) == MapKind::Coarse) {
                 const PostPos p = coarse.posts(stamp.centre);

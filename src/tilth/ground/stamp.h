@@ -51,7 +51,7 @@ struct StampRecord {
     std::int64_t centre_z = 0;     ///< 2^-24 m, world space
     std::uint64_t shape_hash = 0;  ///< of the shape's table or image: a replay on other data is noticed
     std::uint32_t shape = 0;       ///< `ShapeId::value`
-    std::uint32_t radius = 0;      ///< 1/1024 texel of the map, as asked for (not widened)
+    std::uint32_t radius = 0;      ///< 2^-18 texel of the map, as asked for (not widened)
     std::uint32_t amplitude = 0;   ///< magnitude in height codes; for `Smooth` in 1/65 536
     std::uint32_t level = 0;       ///< height code
     std::uint32_t rotation = 0;    ///< turns / 2^32

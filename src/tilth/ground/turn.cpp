@@ -1,6 +1,7 @@
 #include "tilth/ground/turn.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 namespace tilth {
@@ -44,6 +45,22 @@ std::uint32_t turns_of(double radians) {
     const double turns = radians / (2 * std::numbers::pi);
     const double part = turns - std::floor(turns);
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(std::floor(part * 4294967296.0 + 0.5)));
+}
+
+double direction_angle(double x, double y) {
+    const double ax = std::abs(x), ay = std::abs(y);
+    const double larger = ax > ay ? ax : ay, smaller = ax > ay ? ay : ax;
+    if (larger == 0) return 0;
+    // atan t = 2 atan(t / (1 + sqrt(1 + t^2))), three times: t < 0.099, where the series to t^13 leaves 1e-16.
+    double t = smaller / larger;
+    for (int halving = 0; halving < 3; ++halving) t = t / (1 + std::sqrt(1 + t * t));
+    const double square = t * t;
+    double series = 1.0 / 13;
+    for (const double odd : {11.0, 9.0, 7.0, 5.0, 3.0, 1.0}) series = 1 / odd - square * series;
+    double angle = 8 * t * series;
+    if (ay > ax) angle = std::numbers::pi / 2 - angle;
+    if (x < 0) angle = std::numbers::pi - angle;
+    return y < 0 ? -angle : angle;
 }
 
 }  // namespace tilth
