@@ -61,14 +61,14 @@ void inner_slopes(const HeightField& heights, Texel first, std::int32_t count, f
     }
 }
 
-/// Slopes of row `z` of a mip level, texels [min_x, max_x).
+/// Slopes of the posts [min_x, max_x) of row `z`.
 void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_x, std::int32_t max_x,
-                   std::int32_t level, const SlopeSettings& settings, SlopeRow& out) {
+                   const SlopeSettings& settings, SlopeRow& out) {
     out.x.resize(static_cast<std::size_t>(max_x - min_x));
     out.z.resize(out.x.size());
     const std::int32_t reach = stencil_reach(settings.stencil);
     std::int32_t inner_min = max_x, inner_max = max_x;
-    if (level == 0 && z >= reach && z < heights.depth() - reach) {
+    if (z >= reach && z < heights.depth() - reach) {
         inner_min = std::min(std::max(min_x, reach), max_x);
         inner_max = std::max(std::min(max_x, heights.width() - reach), inner_min);
         const auto per_m = static_cast<float>(settings.code_quantum_m / settings.spacing_m);
@@ -76,16 +76,18 @@ void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_
         inner(heights, {inner_min, z}, inner_max - inner_min, per_m, out.x.data() + (inner_min - min_x),
               out.z.data() + (inner_min - min_x));
     }
-    for (std::int32_t x = min_x; x < max_x; ++x) {
-        if (x == inner_min) x = inner_max;
-        if (x >= max_x) break;
-        const Slope slope = slope_at(heights, {x << level, z << level}, settings);
-        out.x[static_cast<std::size_t>(x - min_x)] = slope.x;
-        out.z[static_cast<std::size_t>(x - min_x)] = slope.z;
-    }
+    const auto at_border = [&](std::int32_t from, std::int32_t to) {
+        for (std::int32_t x = from; x < to; ++x) {
+            const Slope slope = slope_at(heights, {x, z}, settings);
+            out.x[static_cast<std::size_t>(x - min_x)] = slope.x;
+            out.z[static_cast<std::size_t>(x - min_x)] = slope.z;
+        }
+    };
+    at_border(min_x, inner_min);
+    at_border(inner_max, max_x);
 }
 
-void store_companded(const SlopeRow& row, std::uint8_t* __restrict out) {
+void store(const SlopeRow& row, std::uint8_t* __restrict out) {  // companded
     const float* x = row.x.data();
     const float* z = row.z.data();
     const std::size_t count = row.x.size();
@@ -96,10 +98,58 @@ void store_companded(const SlopeRow& row, std::uint8_t* __restrict out) {
     }
 }
 
-void store_halves(const SlopeRow& row, std::uint16_t* out) {
+void store(const SlopeRow& row, std::uint16_t* out) {  // half floats
     for (std::size_t i = 0; i < row.x.size(); ++i) {
         out[2 * i] = half_of(row.x[i]);
         out[2 * i + 1] = half_of(row.z[i]);
+    }
+}
+
+/// Slopes of a rectangle of posts as the map stores them: two components of one or two bytes to a post.
+template <class Component>
+std::vector<Component> stored_slopes(const TexelRect& posts, const HeightField& heights,
+                                     const SlopeSettings& settings) {
+    const std::size_t row_components = 2 * static_cast<std::size_t>(posts.width());
+    std::vector<Component> stored(row_components * static_cast<std::size_t>(posts.depth()));
+    SlopeRow row;
+    for (std::int32_t z = posts.min.z; z < posts.max.z; ++z) {
+        slopes_of_row(heights, z, posts.min.x, posts.max.x, settings, row);
+        store(row, stored.data() + static_cast<std::size_t>(z - posts.min.z) * row_components);
+    }
+    return stored;
+}
+
+/// Those of them that a mip level has: every 2^level-th post of the map.
+template <class Component>
+std::vector<Component> sub_sampled(const std::vector<Component>& stored, const TexelRect& posts,
+                                   const TexelRect& texels, std::int32_t level) {
+    std::vector<Component> out;
+    out.reserve(2 * static_cast<std::size_t>(texels.count()));
+    for (std::int32_t z = texels.min.z; z < texels.max.z; ++z)
+        for (std::int32_t x = texels.min.x; x < texels.max.x; ++x) {
+            const std::size_t at =
+                2 * (static_cast<std::size_t>((z << level) - posts.min.z) * static_cast<std::size_t>(posts.width()) +
+                     static_cast<std::size_t>((x << level) - posts.min.x));
+            out.push_back(stored[at]);
+            out.push_back(stored[at + 1]);
+        }
+    return out;
+}
+
+template <class Component>
+void upload_rect(const TexelRect& posts, const HeightField& heights, const SlopeSettings& settings, SlopeMap& slopes,
+                 gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
+    const std::vector<Component> stored = stored_slopes<Component>(posts, heights, settings);
+    for (std::int32_t level = 0; level < SlopeMap::kLevels; ++level) {
+        const TexelRect texels = mip_texels(posts, level);
+        if (texels.empty()) continue;
+        slopes.texture().upload(level, gl_rect(texels),
+                                level == 0 ? stored.data() : sub_sampled(stored, posts, texels, level).data());
+        const auto moved = 2 * sizeof(Component) * static_cast<std::uint64_t>(texels.count());
+        gl::StageStats& stage = level == 0 ? derive : mips;
+        stage.texels += static_cast<std::uint64_t>(texels.count());
+        stage.bytes += moved;
+        transfer.bytes_up += moved;
     }
 }
 
@@ -109,33 +159,8 @@ void upload_slopes(std::span<const TexelRect> changed, const HeightField& height
                    SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
     std::vector<TexelRect> stale;
     for (const TexelRect& rect : changed) stale.push_back(stale_slopes(rect, heights.rect(), settings.stencil));
-    const bool half = slopes.format() == SlopeFormat::rg16f;
-    const std::size_t texel_bytes = half ? 2 * sizeof(std::uint16_t) : 2;
-    std::vector<std::uint16_t> stored;  // two bytes each, so that both formats are aligned
-    SlopeRow row;
-    for (const TexelRect& posts : disjoint(stale)) {
-        for (std::int32_t level = 0; level < SlopeMap::kLevels; ++level) {
-            const TexelRect texels = mip_texels(posts, level);
-            if (texels.empty()) continue;
-            const auto width = static_cast<std::size_t>(texels.width());
-            const std::size_t moved = width * static_cast<std::size_t>(texels.depth()) * texel_bytes;
-            stored.resize(moved / sizeof(std::uint16_t));
-            for (std::int32_t z = texels.min.z; z < texels.max.z; ++z) {
-                slopes_of_row(heights, z, texels.min.x, texels.max.x, level, settings, row);
-                std::uint16_t* out = stored.data() + static_cast<std::size_t>(z - texels.min.z) * width * texel_bytes /
-                                                         sizeof(std::uint16_t);
-                if (half)
-                    store_halves(row, out);
-                else
-                    store_companded(row, reinterpret_cast<std::uint8_t*>(out));
-            }
-            slopes.texture().upload(level, gl_rect(texels), stored.data());
-            gl::StageStats& stage = level == 0 ? derive : mips;
-            stage.texels += static_cast<std::uint64_t>(texels.count());
-            stage.bytes += moved;
-            transfer.bytes_up += moved;
-        }
-    }
+    const auto upload = slopes.format() == SlopeFormat::rg16f ? upload_rect<std::uint16_t> : upload_rect<std::uint8_t>;
+    for (const TexelRect& posts : disjoint(stale)) upload(posts, heights, settings, slopes, derive, mips, transfer);
 }
 
 }  // namespace tilth
