@@ -3,11 +3,12 @@
 //           u_weights       R32I            all shapes' weights, 1/65536, 4096 to a row
 //           u_stamps        RGBA32UI        StampParams, seven texels each
 //           u_order         R32UI           stamps by number, lists of the blocks one behind the other
+//           u_stamp         ONE_STAMP only  the pass's only stamp, in place of both lists
 //   writes  new_high, new_low   R16 unorm   height code, to the scratch pair
 // v_payload: texel of the map minus texel of the target (x, z), first entry and length of the list in u_order.
 // Each texel depends on its own old code alone, so a list of stamps gives the bits that one pass a stamp would give.
-// Features: BITS16 (no low plane), PROFILES, IMAGES (what the list holds), ONLY_ADD, SMOOTH (one stamp, reads neighbours),
-// COUNT_SATURATED (one stamp; fragments that do not saturate are discarded, a query counts the rest).
+// Features: BITS16 (no low plane), PROFILES, IMAGES (what the list holds), ONLY_ADD, ONE_STAMP, and with ONE_STAMP alone:
+// SMOOTH (reads neighbours), COUNT_SATURATED (fragments that do not saturate are discarded, a query counts the rest).
 #include "shared/height_code.glsl"
 #include "shared/stamp_math.glsl"
 flat in ivec4 v_payload;
@@ -26,15 +27,22 @@ const bool kBits16 = true;
 const bool kBits16 = false;
 #endif
 
-StampParams stamp_at(int number) {
-    uvec4 a = texelFetch(u_stamps, number * 7), b = texelFetch(u_stamps, number * 7 + 1);
-    uvec4 c = texelFetch(u_stamps, number * 7 + 2), d = texelFetch(u_stamps, number * 7 + 3);
-    uvec4 e = texelFetch(u_stamps, number * 7 + 4), f = texelFetch(u_stamps, number * 7 + 5);
-    uvec4 g = texelFetch(u_stamps, number * 7 + 6);
+StampParams unpacked(uvec4 a, uvec4 b, uvec4 c, uvec4 d, uvec4 e, uvec4 f, uvec4 g) {
     return StampParams(int(a.x), int(a.y), int(a.z), int(a.w), int(b.x), int(b.y), int(b.z), int(b.w), c.x, c.y, c.z, c.w,
                        d.x, d.y, d.z, d.w, e.x, e.y, e.z, e.w, int(f.x), int(f.y), int(f.z), int(f.w), int(g.x), int(g.y),
                        g.z, g.w);
 }
+
+#ifdef ONE_STAMP
+uniform ivec4 u_stamp[7];
+#else
+StampParams stamp_at(int number) {
+    int first = number * 7;
+    return unpacked(texelFetch(u_stamps, first), texelFetch(u_stamps, first + 1), texelFetch(u_stamps, first + 2),
+                    texelFetch(u_stamps, first + 3), texelFetch(u_stamps, first + 4), texelFetch(u_stamps, first + 5),
+                    texelFetch(u_stamps, first + 6));
+}
+#endif
 
 int weight_entry(int index) { return texelFetch(u_weights, ivec2(index & 4095, index >> 12), 0).r; }
 
@@ -112,15 +120,21 @@ Blended stamped(StampParams s, ivec2 texel, uint code) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy) + v_payload.xy;
     uint code = map_code(texel);
+#ifdef ONE_STAMP
+    StampParams s = unpacked(uvec4(u_stamp[0]), uvec4(u_stamp[1]), uvec4(u_stamp[2]), uvec4(u_stamp[3]), uvec4(u_stamp[4]),
+                             uvec4(u_stamp[5]), uvec4(u_stamp[6]));
+    Blended result = stamped(s, texel, code);
+#ifdef COUNT_SATURATED
+    if (result.saturated == 0u) discard;
+#endif
+    code = result.code;
+#else
     for (int i = 0; i < v_payload.w; ++i) {
         StampParams s = stamp_at(int(texelFetch(u_order, v_payload.z + i).r));
         if (texel.x < s.min_x || texel.x >= s.max_x || texel.y < s.min_z || texel.y >= s.max_z) continue;
-        Blended result = stamped(s, texel, code);
-#ifdef COUNT_SATURATED
-        if (result.saturated == 0u) discard;
-#endif
-        code = result.code;
+        code = stamped(s, texel, code).code;
     }
+#endif
     new_high = plane_value(code >> 16);
 #ifndef BITS16
     new_low = plane_value(code & 65535u);

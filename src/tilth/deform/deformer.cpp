@@ -1,6 +1,8 @@
 #include "tilth/deform/deformer.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "tilth/pool/gl_rect.h"
 
@@ -69,7 +71,8 @@ Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& 
 
 Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
                            gl::StageStats& stats) {
-    Variant variant{.bits16 = planes.precision() == HeightPrecision::bits16, .only_add = true};
+    Variant variant{
+        .bits16 = planes.precision() == HeightPrecision::bits16, .only_add = true, .one_stamp = stamps.size() == 1};
     for (const DeformStamp& stamp : stamps) {
         (stamp.prepared.shape->is_image ? variant.images : variant.profiles) = true;
         variant.only_add = variant.only_add && stamp.prepared.rule() == StampRule::Add;
@@ -82,11 +85,14 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
         height = std::max(height, rect.max_z);
     }
     if (const Result<void> reserved = reserve_scratch(width, height, planes); !reserved) return reserved.error();
-    if (const Result<void> uploaded = upload_lists(batch, stamps, stats); !uploaded) return uploaded.error();
-    if (stamps.size() == 1 && stamps.front().may_saturate)
-        if (const Result<void> counted = count_saturated(variant, rects, planes, stats); !counted)
+    const Result<std::vector<StampParams>> list = packed(stamps, stats);
+    if (!list) return list.error();
+    if (!variant.one_stamp)
+        if (const Result<void> uploaded = upload_lists(*list, batch, stats); !uploaded) return uploaded.error();
+    if (variant.one_stamp && stamps.front().may_saturate)
+        if (const Result<void> counted = count_saturated(variant, *list, rects, planes, stats); !counted)
             return counted.error();
-    if (const Result<void> drawn = draw(variant, rects, planes, stats); !drawn) return drawn.error();
+    if (const Result<void> drawn = draw(variant, *list, rects, planes, stats); !drawn) return drawn.error();
 
     std::vector<gl::CopyRect> copies;
     copies.reserve(rects.size());
@@ -97,8 +103,7 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
     return {};
 }
 
-Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps,
-                                    gl::StageStats& stats) {
+Result<std::vector<StampParams>> Deformer::packed(std::span<const DeformStamp> stamps, gl::StageStats& stats) {
     std::vector<StampParams> list;
     list.reserve(stamps.size());
     for (const DeformStamp& stamp : stamps) {
@@ -107,7 +112,11 @@ Result<void> Deformer::upload_lists(const StampBatch& batch, std::span<const Def
         list.push_back(stamp.prepared.params);
         list.back().table = *place;
     }
-    const auto list_bytes = std::as_bytes(std::span(list));
+    return list;
+}
+
+Result<void> Deformer::upload_lists(std::span<const StampParams> list, const StampBatch& batch, gl::StageStats& stats) {
+    const auto list_bytes = std::as_bytes(list);
     const auto order_bytes = std::as_bytes(std::span(batch.order));
     stats.bytes += list_bytes.size() + order_bytes.size();
     if (const Result<void> ok =
@@ -145,6 +154,7 @@ Result<gl::TexelPass*> Deformer::pass_for(const Variant& variant, gl::StageStats
     add(variant.profiles, "PROFILES");
     add(variant.images, "IMAGES");
     add(variant.only_add, "ONLY_ADD");
+    add(variant.one_stamp, "ONE_STAMP");
     add(variant.smooth, "SMOOTH");
     add(variant.count, "COUNT_SATURATED");
     Result<gl::TexelPass> pass = gl::TexelPass::create(*device_, *shaders_, "stamps", "deform/stamps.frag", features);
@@ -159,8 +169,8 @@ Result<gl::TexelPass*> Deformer::pass_for(const Variant& variant, gl::StageStats
     return passes_.emplace(variant, std::make_unique<gl::TexelPass>(std::move(*pass))).first->second.get();
 }
 
-Result<void> Deformer::draw(const Variant& variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
-                            gl::StageStats& stats) {
+Result<void> Deformer::draw(const Variant& variant, std::span<const StampParams> list,
+                            std::span<const gl::PassRect> rects, HeightPlanes& planes, gl::StageStats& stats) {
     Result<gl::TexelPass*> pass = pass_for(variant, stats);
     if (!pass) return pass.error();
     std::vector<const gl::Texture2D*> targets;
@@ -169,21 +179,28 @@ Result<void> Deformer::draw(const Variant& variant, std::span<const gl::PassRect
         planes.high().bind(kHigh);
         planes.low().bind(kLow);
         atlas_.texture().bind(kWeights);
-        stamps_->bind(kStamps);
-        order_->bind(kOrder);
+        if (variant.one_stamp) {
+            std::array<std::int32_t, sizeof(StampParams) / sizeof(std::int32_t)> words;
+            std::memcpy(words.data(), list.data(), sizeof(StampParams));
+            program.set_ivec4s(program.uniform("u_stamp"), words);
+        } else {
+            stamps_->bind(kStamps);
+            order_->bind(kOrder);
+        }
         program.set(program.uniform("u_last_texel"), planes.rect().max.x - 1, planes.rect().max.z - 1);
     });
     return {};
 }
 
-Result<void> Deformer::count_saturated(Variant variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
+Result<void> Deformer::count_saturated(Variant variant, std::span<const StampParams> list,
+                                       std::span<const gl::PassRect> rects, HeightPlanes& planes,
                                        gl::StageStats& stats) {
     variant.count = true;
     Result<gl::Query> query = gl::Query::create(*device_, "saturated texels", gl::QueryKind::SamplesPassed);
     if (!query) return query.error();
     gl::StageStats counting;  // a pass that writes nothing anybody reads: its texels are not counted as written
     query->begin();
-    const Result<void> drawn = draw(variant, rects, planes, counting);
+    const Result<void> drawn = draw(variant, list, rects, planes, counting);
     query->end();
     if (!drawn) return drawn.error();
     stats.passes += counting.passes, stats.draws += counting.draws, stats.programs += counting.programs;

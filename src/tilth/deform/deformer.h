@@ -51,20 +51,24 @@ public:
 
 private:
     struct Variant {
-        bool bits16 = false, profiles = false, images = false, only_add = false, smooth = false, count = false;
+        bool bits16 = false, profiles = false, images = false, only_add = false, one_stamp = false, smooth = false,
+             count = false;
         auto operator<=>(const Variant&) const = default;
     };
     Deformer(gl::Device& device, gl::ShaderLibrary& shaders, gl::TextureCopy copy);
 
     Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
                      gl::StageStats& stats);
-    Result<void> upload_lists(const StampBatch& batch, std::span<const DeformStamp> stamps, gl::StageStats& stats);
+    /// The stamps as the shader reads them, their weights in the atlas.
+    Result<std::vector<StampParams>> packed(std::span<const DeformStamp> stamps, gl::StageStats& stats);
+    Result<void> upload_lists(std::span<const StampParams> list, const StampBatch& batch, gl::StageStats& stats);
     Result<void> reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes);
     Result<gl::TexelPass*> pass_for(const Variant& variant, gl::StageStats& stats);
-    Result<void> count_saturated(Variant variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
-                                 gl::StageStats& stats);
-    Result<void> draw(const Variant& variant, std::span<const gl::PassRect> rects, HeightPlanes& planes,
-                      gl::StageStats& stats);
+    /// `list`: of one stamp.
+    Result<void> count_saturated(Variant variant, std::span<const StampParams> list,
+                                 std::span<const gl::PassRect> rects, HeightPlanes& planes, gl::StageStats& stats);
+    Result<void> draw(const Variant& variant, std::span<const StampParams> list, std::span<const gl::PassRect> rects,
+                      HeightPlanes& planes, gl::StageStats& stats);
 
     gl::Device* device_;
     gl::ShaderLibrary* shaders_;
