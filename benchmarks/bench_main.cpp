@@ -9,8 +9,8 @@ int main(int argc, char** argv) {
     const tilth::gl::Device& device = tilth::bench::device();
     benchmark::AddCustomContext("renderer", device.capabilities().renderer);
     benchmark::AddCustomContext("gl", device.capabilities().version_text);
-    benchmark::AddCustomContext("time", device.quirks().timer_queries_lie ? "CPU time of all threads between two glFinish"
-                                                                         : "GL_TIME_ELAPSED");
+    benchmark::AddCustomContext(
+        "time", device.quirks().timer_queries_lie ? "CPU time of all threads between two glFinish" : "GL_TIME_ELAPSED");
     benchmark::RunSpecifiedBenchmarks();
     benchmark::Shutdown();
     return 0;

@@ -121,10 +121,11 @@ Result<void> Terrain::Impl::create_stages() {
                        .precision = map.precision,
                        .slopes = settings.slopes,
                        .mirrored = settings.ground.mirror};
+    const std::uint64_t linked_before = gpu->shaders->programs_linked();
     Result<TerrainRenderer> renderer = TerrainRenderer::create(device, *gpu->shaders, settings.clipmap, info);
     if (!renderer) return renderer.error();
     gpu->renderer = std::move(*renderer);
-    ++before.render.programs;
+    before.render.programs += gpu->shaders->programs_linked() - linked_before;
 
     bounds.emplace(field);
     gpu->planes->upload(field, field.rect(), before.transfer);

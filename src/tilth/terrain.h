@@ -32,8 +32,8 @@ struct TerrainSettings {
     ClipmapSettings clipmap;
     /// Folder to load shaders from instead of the embedded ones (they then reload when changed); empty: embedded.
     std::string shader_folder;
-    /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off where
-    /// the host has its own.
+    /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off
+    /// where the host has its own.
     bool collect_debug_messages = false;
 };
 
@@ -86,8 +86,8 @@ public:
     /// Which executor runs (never `Automatic`), and what the measurement was, for reports.
     [[nodiscard]] ExecutorKind executor() const;
     [[nodiscard]] const std::string& executor_reason() const;
-    [[nodiscard]] std::string renderer() const;     ///< GL_RENDERER; empty without GL
-    [[nodiscard]] std::string gl_version() const;   ///< like "4.5"; empty without GL
+    [[nodiscard]] std::string renderer() const;    ///< GL_RENDERER; empty without GL
+    [[nodiscard]] std::string gl_version() const;  ///< like "4.5"; empty without GL
 
     [[nodiscard]] const gl::FrameStats& last_frame() const;
     [[nodiscard]] gl::FrameStats total() const;

@@ -81,7 +81,8 @@ TEST(Issue, TakesTheEndsOfTheAllowedRanges) {
         change(request);
         return test::issued(*ground, request);
     };
-    EXPECT_EQ(taken([](StampRequest& r) { r.radius_m = std::nextafter(8192.0 / 3, 0.0) - 1e-6; }).radius, (1u << 31) - 1u);
+    EXPECT_EQ(taken([](StampRequest& r) { r.radius_m = std::nextafter(8192.0 / 3, 0.0) - 1e-6; }).radius,
+              (1u << 31) - 1u);
     EXPECT_EQ(taken([](StampRequest& r) { r.amplitude_m = 16 - 0x1p-28; }).amplitude, 0xffffffffu);
     EXPECT_EQ(taken([](StampRequest& r) { r.amplitude_m = -16 + 0x1p-28; }).negative, 1);
     EXPECT_EQ(taken([](StampRequest& r) { r.rule = StampRule::Smooth, r.amplitude_m = 1; }).amplitude, 65536u);

@@ -233,7 +233,8 @@ private:
     Int64 radius_, amplitude_;
     bool bits16_, doubtful_ = false;
     Int64 centre_x_ = 0, centre_z_ = 0, texel_x_ = 0, texel_z_ = 0, residue_ = 0;
-    Int64 u_bits_ = 0, v_bits_ = 0, u_centre_ = 0, v_centre_ = 0, u_per_x_ = 0, u_per_z_ = 0, v_per_x_ = 0, v_per_z_ = 0;
+    Int64 u_bits_ = 0, v_bits_ = 0, u_centre_ = 0, v_centre_ = 0, u_per_x_ = 0, u_per_z_ = 0, v_per_x_ = 0,
+          v_per_z_ = 0;
 };
 
 }  // namespace tilth::reference

@@ -67,8 +67,7 @@ TEST(StampVolume, OfRadiiBelowTheLeastRadiusIsKept) {
         for (const double radius : {0.05, 0.3, 0.77, 1.2}) {
             const Spread got = sampled_volume(shapes, test::builtin(profile), unit_volume(profile), radius, 5000);
             // A record holds its radius to half of 1/1 024 texel: that much of the volume, twice, comes on top.
-            EXPECT_NEAR(got.mean, 1.0, 0.002)
-                << "profile " << static_cast<int>(profile) << " radius " << radius;
+            EXPECT_NEAR(got.mean, 1.0, 0.002) << "profile " << static_cast<int>(profile) << " radius " << radius;
             EXPECT_LE(got.deviation, 0.02) << "profile " << static_cast<int>(profile) << " radius " << radius;
         }
         for (const double radius : {128.0 / 1024, 512.0 / 1024, 1000.0 / 1024}) {  // held exactly

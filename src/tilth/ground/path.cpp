@@ -56,7 +56,8 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
         const double segment_m = length_of(to.x - from.x, to.z - from.z);
         if (segment_m == 0) continue;
         const double direction_x = (to.x - from.x) / segment_m, direction_z = (to.z - from.z) / segment_m;
-        for (; next_m <= walked_m + segment_m + kSlack * path.spacing_m; next_m = static_cast<double>(stamps.size()) * path.spacing_m) {
+        for (; next_m <= walked_m + segment_m + kSlack * path.spacing_m;
+             next_m = static_cast<double>(stamps.size()) * path.spacing_m) {
             const double along_m = next_m - walked_m;
             place({from.x + direction_x * along_m, from.z + direction_z * along_m}, direction_x, direction_z);
         }

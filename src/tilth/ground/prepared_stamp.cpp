@@ -13,7 +13,7 @@ namespace {
 
 __extension__ using Int128 = __int128;
 
-constexpr std::int64_t kFineRadius = 256;  // steps of a record's radius in a sub-texel
+constexpr std::int64_t kFineRadius = 256;                   // steps of a record's radius in a sub-texel
 constexpr std::int64_t kSub = 1024;                         // sub-texels a texel
 constexpr std::uint32_t kResidueRadius = 256 * 1024;        // largest zero-volume stamp whose residue is returned
 constexpr std::int64_t kFarTexels = std::int64_t{1} << 30;  // further centres cannot touch a map
@@ -32,18 +32,19 @@ std::int64_t sub_texels(std::int64_t fixed, double origin, double spacing_m) {
     return static_cast<std::int64_t>(std::floor(metres / spacing_m * static_cast<double>(kSub) + 0.5));
 }
 
-// Widens a radius below the shape's least one; for add the amplitude shrinks so that the volume stays. The record's radius
-// is finer than the map's sub-texels, so that this holds for stamps of a twentieth of a texel too.
+// Widens a radius below the shape's least one; for add the amplitude shrinks so that the volume stays. The record's
+// radius is finer than the map's sub-texels, so that this holds for stamps of a twentieth of a texel too.
 void set_radius(StampParams& s, const StampRecord& record, const Shape& shape) {
     const auto least = static_cast<std::int64_t>(shape.least_radius_texels * static_cast<double>(kSub)) * kFineRadius;
     const std::int64_t radius = std::max<std::int64_t>(record.radius, 1);
     s.radius = static_cast<std::uint32_t>((std::max(radius, least) + kFineRadius / 2) / kFineRadius);
     if (radius < least && record.rule == StampRule::Add)
-        s.amplitude = static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * radius * radius, Int128{least} * least));
+        s.amplitude =
+            static_cast<std::uint32_t>(rounded_div(Int128{s.amplitude} * radius * radius, Int128{least} * least));
 }
 
-// The place of one axis of an image: where the centre texel falls and how far a texel of the map steps in x and z. Positions
-// have as many fraction bits as the size leaves in 30 bits.
+// The place of one axis of an image: where the centre texel falls and how far a texel of the map steps in x and z.
+// Positions have as many fraction bits as the size leaves in 30 bits.
 struct ImageAxis {
     std::uint32_t bits;
     std::int32_t centre, per_x, per_z;

@@ -22,8 +22,8 @@ struct PreparedStamp {
     [[nodiscard]] bool reads_own_texel_only() const { return rule() != StampRule::Smooth; }
 };
 
-/// Integers, and IEEE doubles without fused operations for the centre alone: the same on every machine. Cost: constant, except for zero-volume profiles of up to 256
-/// texels' radius, whose residue costs one pass over the unclipped stamp.
+/// Integers, and IEEE doubles without fused operations for the centre alone: the same on every machine. Cost: constant,
+/// except for zero-volume profiles of up to 256 texels' radius, whose residue costs one pass over the unclipped stamp.
 /// `record` was issued for `map` and `shapes`.
 PreparedStamp prepare(const StampRecord& record, const MapGeometry& map, const ShapeLibrary& shapes);
 

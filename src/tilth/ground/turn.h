@@ -16,8 +16,8 @@ SineCosine sine_cosine(std::uint32_t turns);
 /// An angle in radians as turns / 2^32, nearest; any finite angle.
 std::uint32_t turns_of(double radians);
 
-/// Angle of the direction (x, y), radians in [-pi, pi], error below 1e-14: atan2 by + - * / and sqrt of IEEE doubles alone, so
-/// that it gives the same bits on every machine. 0 for (0, 0).
+/// Angle of the direction (x, y), radians in [-pi, pi], error below 1e-14: atan2 by + - * / and sqrt of IEEE doubles
+/// alone, so that it gives the same bits on every machine. 0 for (0, 0).
 double direction_angle(double x, double y);
 
 }  // namespace tilth
