@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "tilth/deform/deformer.h"
 #include "tilth/gl/api.h"
@@ -30,8 +31,8 @@ double best_us(const gl::Device& device, const Work& work) {
 }  // namespace
 
 std::string ExecutorTimes::reason() const {
-    return text(gpu_is_faster() ? "gpu" : "cpu", ": a stamp of 64 x 64 texels took ", static_cast<long>(gpu_us + 0.5),
-                " us by gpu and ", static_cast<long>(cpu_us + 0.5), " us by cpu at start");
+    return text(gpu_is_faster() ? "gpu" : "cpu", ": a stamp of 64 x 64 texels took ", std::lround(gpu_us),
+                " us by gpu and ", std::lround(cpu_us), " us by cpu at start");
 }
 
 Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& shaders, HeightPrecision precision) {

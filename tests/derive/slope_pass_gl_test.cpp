@@ -12,18 +12,18 @@
 namespace tilth {
 namespace {
 
-constexpr double kPeak_m = 4;
+constexpr double kPeakM = 4;
 
 /// A Gaussian hill in the middle of a map, as codes.
 struct Hill {
     std::int32_t posts = 0;
     double spacing_m = 1, sigma_m = 1;
-    HeightCodec codec = HeightCodec::for_range(0, kPeak_m);
+    HeightCodec codec = HeightCodec::for_range(0, kPeakM);
 
     [[nodiscard]] double centre_m() const { return (posts - 1) * spacing_m / 2; }
     [[nodiscard]] double height(double x, double z) const {
         const double dx = x - centre_m(), dz = z - centre_m();
-        return kPeak_m * std::exp(-(dx * dx + dz * dz) / (2 * sigma_m * sigma_m));
+        return kPeakM * std::exp(-(dx * dx + dz * dz) / (2 * sigma_m * sigma_m));
     }
     [[nodiscard]] HeightField field() const {
         HeightField made(posts, posts);
@@ -111,8 +111,8 @@ TEST_P(SlopeTest, OfAGaussianHillAreItsDerivatives) {
         // exp(-t^2/2)).
         const double sigma = hill.sigma_m;
         const double truncation = GetParam().stencil == SlopeStencil::Central
-                                      ? spacing_m * spacing_m / 6 * 1.3801 * kPeak_m / std::pow(sigma, 3)
-                                      : std::pow(spacing_m, 4) / 30 * 5.7835 * kPeak_m / std::pow(sigma, 5);
+                                      ? spacing_m * spacing_m / 6 * 1.3801 * kPeakM / std::pow(sigma, 3)
+                                      : std::pow(spacing_m, 4) / 30 * 5.7835 * kPeakM / std::pow(sigma, 5);
         // Codes: half a quantum at each end of the difference, 1.5 times that for the fourth order.
         const double codes = 1.5 * hill.codec.code_quantum_m() / spacing_m;
         for (std::int32_t level = 0; level < 3; ++level) {

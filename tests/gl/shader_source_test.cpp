@@ -64,7 +64,7 @@ TEST(ResolveIncludes, every_line_keeps_its_file_and_number) {
         {"shared/y.glsl", "#pragma once\ny2\r\n"}};
     const auto source = resolve(files, "deform/a.frag");
     ASSERT_TRUE(source.ok());
-    const ResolvedSource resolved = *source;
+    const ResolvedSource& resolved = *source;
     EXPECT_EQ(place_of(resolved, "x1"), std::pair(std::string("shared/x.glsl"), 1));
     EXPECT_EQ(place_of(resolved, "y2"), std::pair(std::string("shared/y.glsl"), 2));
     EXPECT_EQ(place_of(resolved, "x3"), std::pair(std::string("shared/x.glsl"), 3));

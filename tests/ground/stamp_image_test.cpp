@@ -107,7 +107,7 @@ TEST(StampImage, IsBilinear) {
                         double expected = 0;
                         if (std::abs(right) < 1 && std::abs(down) < 1) {
                             ++inside;
-                            const auto pixel = [&](double column, double row) {
+                            const auto pixel = [&, width = width, height = height](double column, double row) {
                                 const int cc = std::clamp(static_cast<int>(column), 0, width - 1),
                                           rr = std::clamp(static_cast<int>(row), 0, height - 1);
                                 return texels[static_cast<std::size_t>(rr * width + cc)] / 65535.0;

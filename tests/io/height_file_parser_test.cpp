@@ -177,7 +177,9 @@ TEST(HeightFile, NoDataOfFloatsMayBeNanInfOrRoundedText) {
 
 TEST(HeightFile, ChannelsMustBeOneOrEqual) {
     const ScratchFolder folder;
-    const auto rgb = [](std::vector<std::uint32_t> samples) { return TinyTiff(2, 2, samples).set(277, 3).set(262, 2); };
+    const auto rgb = [](const std::vector<std::uint32_t>& samples) {
+        return TinyTiff(2, 2, samples).set(277, 3).set(262, 2);
+    };
     const auto equal = read_heights(folder.put("equal.tif", rgb({1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4}).bytes()));
     ASSERT_TRUE(equal.ok()) << equal.error().message;
     EXPECT_EQ((*equal)->height_m({1, 1}), 4);

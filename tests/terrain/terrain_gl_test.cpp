@@ -270,7 +270,7 @@ TEST_F(TerrainTest, BadSettingsAreRefusedByTheFieldsName) {
     EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.quantum_m = 1.0 / 65536; }).rfind("quantum", 0), 0u);
     EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.tile_size = 100; }).rfind("tile_size", 0), 0u);
     EXPECT_EQ(refusal([](TerrainSettings& s) { s.ground.origin.x = NAN; }).rfind("origin", 0), 0u);
-    EXPECT_NE(refusal([](TerrainSettings& s) { s.clipmap.n = 30; }).find("n"), std::string::npos);
+    EXPECT_NE(refusal([](TerrainSettings& s) { s.clipmap.n = 30; }).find('n'), std::string::npos);
     EXPECT_NE(refusal([](TerrainSettings& s) { s.clipmap.n = 30; }), "accepted");
     EXPECT_NE(refusal([](TerrainSettings& s) { s.shader_folder = "/nowhere"; }), "accepted");
 }

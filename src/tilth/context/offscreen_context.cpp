@@ -34,12 +34,12 @@ Result<OffscreenContext> OffscreenContext::create(Route route, const Options& op
     if (options.width < 1 || options.height < 1)
         return Error{ErrorCode::InvalidArgument,
                      text("context size: is ", options.width, " x ", options.height, ", must be at least 1 x 1")};
-    auto made = route == Route::Egl ? make_egl(options) : make_osmesa(options);
-    if (!made) return made.error();
-    OffscreenContext context(*std::move(made));
-    if (Result<void> current = context.make_current(); !current) return current.error();
-    context.implementation_->read_renderer();
-    return context;
+    auto implementation = route == Route::Egl ? make_egl(options) : make_osmesa(options);
+    if (!implementation) return implementation.error();
+    OffscreenContext offscreen(*std::move(implementation));
+    if (Result<void> current = offscreen.make_current(); !current) return current.error();
+    offscreen.implementation_->read_renderer();
+    return offscreen;
 }
 
 Result<void> OffscreenContext::make_current() {

@@ -65,7 +65,7 @@ std::uint64_t best_ratio(const std::string& format, const std::string& compressi
     return 40000;                           // zstd: 128 KiB in 4 bytes
 }
 
-bool sample_type_of(OIIO::TypeDesc format, SampleType& type) {
+bool sample_type_of(const OIIO::TypeDesc& format, SampleType& type) {
     switch (format.basetype) {
         case OIIO::TypeDesc::UINT8:
             type = SampleType::U8;
