@@ -33,8 +33,8 @@ struct ViewPart {
     std::string backend = "none";
     std::string preset = "medium";
     // Ours, beyond SCENARIO's keys.
-    double fog_per_m = 0;           ///< density of exp(-(density d)^2); the fog has the clear colour
-    std::optional<Vec3d> to_light;  ///< direction towards the light; absent: `Shading`'s
+    double fog_per_m = 0;                    ///< density of exp(-(density d)^2); the fog has the clear colour
+    std::optional<Vec3d> to_light;           ///< direction towards the light; absent: `Shading`'s
     std::optional<double> ambient, diffuse;  ///< factors on the ground's colour; absent: `Shading`'s
     std::optional<std::array<double, 2>>
         tint_m;  ///< heights between which low turns to high; absent: the source's range

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iostream>
 
 #include "demo/gl/gl_route.h"
@@ -33,10 +34,10 @@ void expect_golden(const fs::path& folder, const std::string& name) {
     const PictureDistance d = distance_between(*actual, *expected);
     std::cout << name << ": mean " << d.mean_steps << "/255, far off " << 100 * d.share_far_off << " %" << std::endl;
     if (alike(d)) return;
-    ADD_FAILURE() << name << " is not the accepted picture: mean difference " << d.mean_steps << "/255 (allowed "
-                  << kMeanStepsAllowed << "), " << 100 * d.share_far_off << " % of pixels off by more than "
-                  << kFarOffSteps << "/255 (allowed " << 100 * kShareFarOffAllowed << " %); compare by eye:"
-                  << leave_side_by_side(folder, name, *actual, *expected)
+    ADD_FAILURE() << std::setprecision(3) << name << " is not the accepted picture: mean difference " << d.mean_steps
+                  << "/255 (allowed " << kMeanStepsAllowed << "), " << 100 * d.share_far_off
+                  << " % of pixels off by more than " << kFarOffSteps << "/255 (allowed " << 100 * kShareFarOffAllowed
+                  << " %); compare by eye:" << leave_side_by_side(folder, name, *actual, *expected)
                   << "\nIf the new one is right, golden/README.md says how to accept it.";
 }
 

@@ -34,9 +34,9 @@ Result<OffscreenContext> OffscreenContext::create(Route route, const Options& op
     if (options.width < 1 || options.height < 1)
         return Error{ErrorCode::InvalidArgument,
                      text("context size: is ", options.width, " x ", options.height, ", must be at least 1 x 1")};
-    auto implementation = route == Route::Egl ? make_egl(options) : make_osmesa(options);
-    if (!implementation) return implementation.error();
-    OffscreenContext offscreen(*std::move(implementation));
+    auto created = route == Route::Egl ? make_egl(options) : make_osmesa(options);
+    if (!created) return created.error();
+    OffscreenContext offscreen(*std::move(created));
     if (Result<void> current = offscreen.make_current(); !current) return current.error();
     offscreen.implementation_->read_renderer();
     return offscreen;
