@@ -59,13 +59,15 @@ TEST(Path, SidesAlternateLeftFirstAndEverySecondIsMirrored) {
 // An image that points along its +x, walked in several directions, stamped: its centre of mass lies ahead.
 TEST(Path, TheImagesXAxisPointsAlongThePath) {
     for (const WorldPos direction : {WorldPos{0, 1}, {1, 0}, {-1, 0}, {0, -1}, {0.6, 0.8}, {-0.8, 0.6}})
-        for (const double turned : {0.0, 1.0}) {
+        for (const double turned : {0.0, 1.0, 10.0, 11.0}) {  // from 10 on mirrored
+            const bool mirror = turned >= 10;
             auto ground = test::flat_ground(33, {.detail = false});
             const ShapeId arrow = *ground->shapes().bake("arrow", 64, [](double x, double) { return x > 0 ? x : 0.0; });
-            const std::vector<StampRequest> stamps =
-                along({.stamp = {.shape = arrow, .radius_m = 6, .amplitude_m = 1, .rotation_rad = turned},
-                       .points = {{16, 16}, {16 + direction.x, 16 + direction.z}},
-                       .spacing_m = 5});
+            const double extra = mirror ? turned - 10 : turned;
+            const std::vector<StampRequest> stamps = along(
+                {.stamp = {.shape = arrow, .radius_m = 6, .amplitude_m = 1, .rotation_rad = extra, .mirror = mirror},
+                 .points = {{16, 16}, {16 + direction.x, 16 + direction.z}},
+                 .spacing_m = 5});
             ASSERT_EQ(stamps.size(), 1u);
             test::stamp(*ground, stamps[0]);
             double mass = 0, x_sum = 0, z_sum = 0;
@@ -75,7 +77,7 @@ TEST(Path, TheImagesXAxisPointsAlongThePath) {
                     mass += m, x_sum += m * (x - 16), z_sum += m * (z - 16);
                 }
             // 2/3 of the radius ahead; `rotation_rad` a turns (x, z) to (x cos a + z sin a, z cos a - x sin a).
-            const double c = std::cos(turned), s = std::sin(turned);
+            const double c = std::cos(extra), s = std::sin(extra);
             EXPECT_NEAR(x_sum / mass, 4 * (direction.x * c + direction.z * s), 0.35);
             EXPECT_NEAR(z_sum / mass, 4 * (direction.z * c - direction.x * s), 0.35);
         }

@@ -45,7 +45,10 @@ Result<std::vector<StampRequest>> stamps_along(const PathRequest& path) {
             if (right) stamp.mirror = !stamp.mirror;
         }
         stamp.centre = at;
-        stamp.rotation_rad += direction_angle(direction_x, -direction_z);  // (1, 0) -> (cos, -sin) along the path
+        // (1, 0) -> (cos, -sin) along the path. A mirrored image's x axis points backwards: turned by half a turn more,
+        // it points ahead again, and left and right are what has changed sides.
+        const double ahead = stamp.mirror ? -1 : 1;
+        stamp.rotation_rad += direction_angle(ahead * direction_x, -ahead * direction_z);
         if (stamp.key) *stamp.key += static_cast<std::uint32_t>(stamps.size());
         stamps.push_back(stamp);
     };

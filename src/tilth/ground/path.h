@@ -16,10 +16,10 @@ struct PathRequest {
     double alternate_m = 0.0;      ///< >= 0: metres left and right of the path in turn, mirrored in turn
 };
 
-/// The stamps of a path: one at its start, then every `spacing_m` along it, each turned so that its image's x axis
-/// points along the path. With `alternate_m` the first lies on the left (mirrored = as asked), the next on the right
-/// with `mirror` turned round. Keys count up from `stamp.key` if it is given.
-/// Fails with the field's name on values out of range, and beyond a million stamps.
+/// The stamps of a path: one at its start, then every `spacing_m` along it, each turned so that what its image shows at
+/// +x lies ahead, mirrored or not: on a path `mirror` changes left and right, as of a pair of boots. With `alternate_m`
+/// the first lies on the left (mirrored = as asked), the next on the right with `mirror` turned round. Keys count up
+/// from `stamp.key` if it is given. Fails with the field's name on values out of range, and beyond a million stamps.
 Result<std::vector<StampRequest>> stamps_along(const PathRequest& path);
 
 }  // namespace tilth
