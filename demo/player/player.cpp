@@ -81,7 +81,7 @@ std::string Player::output_path(const std::string& file) const {
 }
 
 View Player::view_now() const {
-    const double above_m = viewer_.eye.y - terrain_.ground().height_m({viewer_.eye.x, viewer_.eye.z});
+    const double above_m = viewer_.eye.y - terrain_.height_m({viewer_.eye.x, viewer_.eye.z});
     return view_of(viewer_, scenario_.view, above_m);
 }
 
@@ -171,7 +171,7 @@ Player::Outcome Player::run(const WalkStep& step) {
     for (std::int64_t frame = 1; frame <= plan.frames; ++frame) {
         const WorldPos at = plan.position(frame);
         // What the CPU knows of the ground: with the GPU executor without the prints of this walk, but without waiting.
-        viewer_.eye = {at.x, terrain_.ground().height_m(at) + step.above_ground_m, at.z};
+        viewer_.eye = {at.x, terrain_.height_m(at) + step.above_ground_m, at.z};
         const std::size_t due = std::min(prints.size(), prints_until(plan.distance_m(frame), step.stride_m));
         for (; printed < due; ++printed)
             if (Outcome wrong = queue(prints[printed], step.print->repeat); wrong && !failed) failed = wrong;

@@ -11,7 +11,7 @@ namespace {
 Json stage_json(const gl::StageStats& s) {
     return {{"passes", s.passes}, {"draws", s.draws},       {"primitives", s.primitives}, {"texels", s.texels},
             {"bytes", s.bytes},   {"programs", s.programs}, {"saturated", s.saturated},   {"fallbacks", s.fallbacks},
-            {"cpu_ms", s.cpu_ms}, {"gpu_ms", s.gpu_ms}};
+            {"cpu_ms", s.cpu_ms}};
 }
 
 Json stats_json(const gl::FrameStats& f) {

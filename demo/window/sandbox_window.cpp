@@ -170,14 +170,14 @@ private:
 
     /// Walking pace near the ground, faster from high above.
     [[nodiscard]] double speed_m_per_s() const {
-        const double above_m = camera_.eye.y - terrain_.ground().height_m({camera_.eye.x, camera_.eye.z});
+        const double above_m = camera_.eye.y - terrain_.height_m({camera_.eye.x, camera_.eye.z});
         return std::clamp(above_m, 4.0, 400.0);
     }
 
     [[nodiscard]] View view() const {
         ViewPart part = settings_.view;
         part.width = width_, part.height = height_;
-        const double above_m = camera_.eye.y - terrain_.ground().height_m({camera_.eye.x, camera_.eye.z});
+        const double above_m = camera_.eye.y - terrain_.height_m({camera_.eye.x, camera_.eye.z});
         return view_of({camera_.eye, camera_.forward()}, part, above_m);
     }
 

@@ -34,7 +34,7 @@ void main() {
     ivec2 post = min(ivec2(gl_FragCoord.xy) << u_level, u_last_post);
     vec2 slope = vec2(slope_on(post, ivec2(1, 0), post.x, u_last_post.x), slope_on(post, ivec2(0, 1), post.y, u_last_post.y));
 #ifdef SLOPES_RG16F
-    new_slope = slope;
+    new_slope = clamp(slope, vec2(-65504.0), vec2(65504.0));  // the largest half: no infinity
 #else
     float size = length(slope);
     new_slope = vec2(float(slope_byte(slope.x, size)), float(slope_byte(slope.y, size))) / 255.0;

@@ -25,6 +25,8 @@ layout(location = 0) out vec4 colour;
 // `posts`: position in the stored map. Level l holds every 2^l-th post; its texel (0, 0) is post (0, 0).
 vec2 slope_at(vec2 posts, int wanted_level) {
     int level = min(wanted_level, u_slopes_last_level);
+    // The level's last texel stands at its last post; beyond it lies padding.
+    posts = min(posts, vec2(((u_stored_posts - 1) >> level) << level));
     vec2 stored = textureLod(u_slopes, (posts + 0.5 * float(1 << level)) / u_slopes_size_posts, float(level)).rg;
 #ifdef SLOPES_RG16F
     return stored;

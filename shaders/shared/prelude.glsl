@@ -21,13 +21,14 @@ uint mul_high(uint a, uint b) {
 }
 
 // Integer square root of x * x + z * z, |x|, |z| < 2^23: a float estimate, corrected to the exact integer.
-// float(n) may round to 24 bits and sqrt may err by a few ulp, so the estimate is off by at most 4 (root < 2^23.5).
+// float(n) may round to 24 bits and sqrt may err by a few ulp, so the estimate is off by a few (at most 6 for a root < 2^23.5).
 uint root_of_squares(int x, int z) {
     uint ax = uint(abs(x)), az = uint(abs(z));
     uint x_high = mul_high(ax, ax), z_high = mul_high(az, az);
     uint x_low = ax * ax, low = x_low + az * az;
     uint high = x_high + z_high + (low < x_low ? 1u : 0u);
-    uint root = uint(sqrt(float(high) * 4294967296.0f + float(low)));
+    // At least 1: where sqrt(x) is x * inversesqrt(x), sqrt(0) would be NaN.
+    uint root = uint(sqrt(max(float(high) * 4294967296.0f + float(low), 1.0f)));
     for (int step = 0; step < 8; ++step) {
         uint square_high = mul_high(root, root), square_low = root * root;
         if (square_high < high || (square_high == high && square_low <= low)) break;

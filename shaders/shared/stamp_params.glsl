@@ -14,7 +14,7 @@ struct StampParams {
     uint level;                         // code
     uint key;                           // of the 16-bit dither
     uint residue;                       // magnitude in codes, added at the centre texel (zero-volume profiles)
-    uint table;                         // GPU only: row of the profile texture, or first texel of the image
+    uint table;                         // GPU only: first weight of the shape in the weight texture
     uint image_width, image_height;     // texels
     uint u_bits;                        // fraction bits of image positions along the image's x axis,
     int u_centre, v_centre;             // image position of the centre texel

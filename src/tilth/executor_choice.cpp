@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tilth/deform/deformer.h"
+#include "tilth/derive/slope_pass.h"
 #include "tilth/gl/api.h"
 #include "tilth/ground/cpu_executor.h"
 
@@ -31,11 +32,12 @@ double best_us(const gl::Device& device, const Work& work) {
 }  // namespace
 
 std::string ExecutorTimes::reason() const {
-    return text(gpu_is_faster() ? "gpu" : "cpu", ": a stamp of 64 x 64 texels took ", std::lround(gpu_us),
-                " us by gpu and ", std::lround(cpu_us), " us by cpu at start");
+    return text(gpu_is_faster() ? "gpu" : "cpu", ": a stamp of 64 x 64 texels and its slopes took ",
+                std::lround(gpu_us), " us by gpu and ", std::lround(cpu_us), " us by cpu at start");
 }
 
-Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& shaders, HeightPrecision precision) {
+Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& shaders, HeightPrecision precision,
+                                        SlopeFormat slopes) {
     const ShapeLibrary shapes;
     const MapGeometry map{.kind = MapKind::Coarse,
                           .grid = {.spacing_m = 1, .width = kMapPosts, .depth = kMapPosts},
@@ -53,13 +55,27 @@ Result<ExecutorTimes> measure_executors(gl::Device& device, gl::ShaderLibrary& s
     planes->upload(field, field.rect(), transfer);
     Result<Deformer> deformer = Deformer::create(device, shaders);
     if (!deformer) return deformer.error();
+    Result<SlopeMap> slope_map = SlopeMap::create(device, kMapPosts, kMapPosts, slopes);
+    if (!slope_map) return slope_map.error();
+    const SlopeSettings slope_settings{SlopeStencil::Central, map.codec.code_quantum_m(), map.grid.spacing_m};
+    Result<SlopePass> slope_pass = SlopePass::create(device, shaders, precision, slopes, slope_settings);
+    if (!slope_pass) return slope_pass.error();
 
     gl::StageStats stats;
     const DeformStamp for_gpu{.prepared = stamp};
-    if (const Result<void> works = deformer->apply({&for_gpu, 1}, *planes, stats); !works) return works.error();
+    const TexelRect changed = stamp.rect();
+    Result<void> works;
     ExecutorTimes times;
-    times.gpu_us = best_us(device, [&] { static_cast<void>(deformer->apply({&for_gpu, 1}, *planes, stats).ok()); });
-    times.cpu_us = best_us(device, [&] { planes->upload(field, apply_stamp(stamp, field).rect, transfer); });
+    times.gpu_us = best_us(device, [&] {
+        if (works) works = deformer->apply({&for_gpu, 1}, *planes, stats);
+        slope_pass->run({&changed, 1}, *planes, *slope_map, stats, stats);
+    });
+    if (!works) return works.error();
+    times.cpu_us = best_us(device, [&] {
+        apply_stamp(stamp, field);
+        planes->upload(field, changed, transfer);
+        upload_slopes({&changed, 1}, field, slope_settings, *slope_map, stats, stats, transfer);
+    });
     return times;
 }
 

@@ -1,5 +1,7 @@
 #include "tilth/terrain.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -31,6 +33,22 @@ struct GpuStages {
     std::optional<TerrainRenderer> renderer;
 };
 
+/// Adds the wall time of its scope to a stage.
+class StageClock {
+public:
+    explicit StageClock(gl::StageStats& stats) : stats_(stats) {}
+    ~StageClock() {
+        const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start_;
+        stats_.cpu_ms += passed.count();
+    }
+    StageClock(const StageClock&) = delete;
+    StageClock& operator=(const StageClock&) = delete;
+
+private:
+    gl::StageStats& stats_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 }  // namespace
 
 struct Terrain::Impl {
@@ -57,6 +75,7 @@ struct Terrain::Impl {
     void apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
     Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                               std::vector<TexelRect>& changed);
+    [[nodiscard]] bool may_saturate(const PreparedStamp& stamp) const;
     void derive(std::span<const TexelRect> changed, gl::FrameStats& stats);
     void read_back(gl::FrameStats& stats);
 };
@@ -82,7 +101,10 @@ Result<void> Terrain::Impl::choose_executor() {
     executor = settings.executor;
     executor_reason = executor == ExecutorKind::Gpu ? "gpu: as asked for" : "cpu: as asked for";
     if (executor != ExecutorKind::Automatic) return {};
-    const Result<ExecutorTimes> times = measure_executors(*gpu->device, *gpu->shaders, settings.ground.precision);
+    const std::uint64_t linked_before = gpu->shaders->programs_linked();
+    const Result<ExecutorTimes> times =
+        measure_executors(*gpu->device, *gpu->shaders, settings.ground.precision, settings.slopes);
+    before.deform.programs += gpu->shaders->programs_linked() - linked_before;
     if (!times) return times.error();
     executor = times->gpu_is_faster() ? ExecutorKind::Gpu : ExecutorKind::Cpu;
     executor_reason = times->reason();
@@ -164,7 +186,11 @@ Result<StampRecord> Terrain::stamp(const StampRequest& request) {
     return record;
 }
 
-void Terrain::replay(const StampRecord& record) { impl_->queue.push_back(record); }
+Result<void> Terrain::replay(const StampRecord& record) {
+    Result<void> accepted = impl_->ground->accept(record);
+    if (accepted) impl_->queue.push_back(record);
+    return accepted;
+}
 
 Result<void> Terrain::update(double /*dt_s*/) {
     impl_->before += impl_->frame;
@@ -196,11 +222,9 @@ Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
     const gl::StateGuard guard(*gpu->device);
     const gl::DebugGroup group(*gpu->device, "tilth: update");
     std::vector<TexelRect> changed;
+    Result<void> applied;
     if (executor == ExecutorKind::Gpu) {
-        if (const Result<void> applied = apply_on_gpu(coarse, stats, changed); !applied) {
-            queue.insert(queue.begin(), coarse.begin(), coarse.end());
-            return applied.error();
-        }
+        applied = apply_on_gpu(coarse, stats, changed);
     } else {
         apply_on_cpu(coarse, stats, changed);
         for (const TexelRect& rect : changed) {
@@ -208,12 +232,13 @@ Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
             bounds->widen(rect, ground->coarse());
         }
     }
-    derive(changed, stats);
-    return {};
+    derive(changed, stats);  // also of the part that was applied before an error
+    return applied;
 }
 
 void Terrain::Impl::apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                                  std::vector<TexelRect>& changed) {
+    const StageClock clock(stats.deform);
     for (const StampRecord& record : records) {
         const ApplyResult result = ground->apply(record);
         stats.deform.texels += result.texels;
@@ -223,31 +248,58 @@ void Terrain::Impl::apply_on_cpu(std::span<const StampRecord> records, gl::Frame
     changed = disjoint(changed);
 }
 
+bool Terrain::Impl::may_saturate(const PreparedStamp& stamp) const {
+    const CodeRange old = bounds->query(expanded(stamp.rect(), 1));
+    return range_after(stamp, old.min, old.max).may_saturate;
+}
+
 Result<void> Terrain::Impl::apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                                          std::vector<TexelRect>& changed) {
+    const StageClock clock(stats.deform);
     const MapGeometry& map = ground->map(MapKind::Coarse);
     std::vector<DeformStamp> stamps;
+    std::vector<const StampRecord*> placed;
     for (const StampRecord& record : records) {
-        DeformStamp stamp{.prepared = prepare(record, map, ground->shapes())};
+        const DeformStamp stamp{.prepared = prepare(record, map, ground->shapes())};
+        if (stamp.prepared.rect().empty()) continue;
+        stamps.push_back(stamp);
+        placed.push_back(&record);
+    }
+    // Bounds of what only the GPU knows are wider than the truth. Before stamps are counted one by one, look.
+    if (!newer_on_gpu.empty() && std::any_of(stamps.begin(), stamps.end(),
+                                             [&](const DeformStamp& stamp) { return may_saturate(stamp.prepared); })) {
+        read_back(stats);
+        ++stats.deform.fallbacks;
+    }
+    for (DeformStamp& stamp : stamps) {
         const TexelRect rect = stamp.prepared.rect();
-        if (rect.empty()) continue;
         // Smooth reads one post further, whose codes may then spread into the rectangle.
         const CodeRange old = bounds->query(expanded(rect, 1));
         const StampRange range = range_after(stamp.prepared, old.min, old.max);
         stamp.may_saturate = range.may_saturate;
         bounds->widen_by(rect, range.min, range.max);
-        changed.push_back(rect);
-        stamps.push_back(stamp);
     }
-    if (const Result<void> applied = gpu->deformer->apply(stamps, *gpu->planes, stats.deform); !applied)
-        return applied.error();
+    std::size_t done = 0;
+    Result<void> applied = gpu->deformer->apply(stamps, *gpu->planes, stats.deform, done);
+    for (std::size_t i = 0; i < done; ++i) changed.push_back(stamps[i].prepared.rect());
     changed = disjoint(changed);
     newer_on_gpu.insert(newer_on_gpu.end(), changed.begin(), changed.end());
     if (newer_on_gpu.size() > 256) newer_on_gpu = disjoint(newer_on_gpu);
-    return {};
+    if (applied) return applied;
+
+    Error error = applied.error();
+    if (error.code == ErrorCode::Unsupported) {  // no later frame can do it either
+        error.message = text("stamp ", placed[done]->sequence, " is dropped: ", error.message);
+        ++done;
+    }
+    std::vector<StampRecord> rest;
+    for (std::size_t i = done; i < placed.size(); ++i) rest.push_back(*placed[i]);
+    queue.insert(queue.begin(), rest.begin(), rest.end());
+    return error;
 }
 
 void Terrain::Impl::derive(std::span<const TexelRect> changed, gl::FrameStats& stats) {
+    const StageClock clock(stats.derive);
     if (gpu->slope_pass)
         gpu->slope_pass->run(changed, *gpu->planes, *gpu->slopes, stats.derive, stats.mips);
     else
@@ -286,8 +338,14 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
 
 Result<void> Terrain::reload_shaders() {
     if (!impl_->gpu) return {};
-    const gl::StateGuard guard(*impl_->gpu->device);
-    return impl_->gpu->renderer->reload(*impl_->gpu->shaders);
+    GpuStages& gpu = *impl_->gpu;
+    const gl::StateGuard guard(*gpu.device);
+    Result<void> result = gpu.renderer->reload(*gpu.shaders);
+    if (gpu.slope_pass)
+        if (Result<void> reloaded = gpu.slope_pass->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
+    if (gpu.deformer)
+        if (Result<void> reloaded = gpu.deformer->reload(); !reloaded) result = std::move(reloaded);
+    return result;
 }
 
 // ---- queries ----

@@ -30,7 +30,7 @@ struct TerrainSettings {
     SlopeFormat slopes = SlopeFormat::rg8;
     SlopeStencil stencil = SlopeStencil::Central;
     ClipmapSettings clipmap;
-    /// Folder to load shaders from instead of the embedded ones (they then reload when changed); empty: embedded.
+    /// Folder to load shaders from instead of the embedded ones (`reload_shaders` reads them again); empty: embedded.
     std::string shader_folder;
     /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off
     /// where the host has its own.
@@ -43,8 +43,9 @@ struct TerrainSettings {
 /// when they are issued and change the ground in `update`, in order. Queries and hashes see everything up to the last
 /// `update`.
 /// Units: metres, seconds, radians, +y up. Thread: the one that owns the context. GL state: every public call leaves it
-/// as it was. Errors: `Result`; nothing throws, nothing falls back silently.
-/// Without a get-proc function the object has no GL: `draw` is refused and the executor is `Cpu`.
+/// as it was; queries, conditional rendering and transform feedback in progress are the host's to end or pause. Errors:
+/// `Result`; nothing throws, nothing falls back silently. Without a get-proc function the object has no GL: `draw` is
+/// refused and the executor is `Cpu`.
 class Terrain {
 public:
     /// Loads all coarse heights, computes the whole slope map. `get_proc` is the host's; the host's context is current
@@ -57,17 +58,25 @@ public:
 
     /// To add profiles and images before stamping with them.
     [[nodiscard]] ShapeLibrary& shapes();
+    /// The ground on the CPU. With the gpu executor its coarse codes are those of the last `drain`, `height_m`,
+    /// `raycast` or `hash`, which bring them up to date.
     [[nodiscard]] const Ground& ground() const;
 
     /// Checks and queues one stamp; returns its record. Fails with the field's name and changes nothing.
     Result<StampRecord> stamp(const StampRequest& request);
 
-    /// Queues a record made earlier (undo by `negated`, replay). It keeps its own sequence number.
-    void replay(const StampRecord& record);
+    /// Queues a record made earlier or elsewhere (undo by `negated`, replay). It keeps its own sequence number.
+    /// Fails with the field's name where it does not fit this world (`Ground::accept`); nothing is queued then.
+    Result<void> replay(const StampRecord& record);
 
     /// Applies the queued stamps in order, then slopes and mips over what changed. Never waits for the GPU.
     /// `dt_s` is the frame's time step; negative or NaN counts as 0. Starts the next frame's statistics.
-    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made; its stamps stay queued.
+    /// Saturated texels on the GPU are counted by queries that arrive some frames later, in that frame's statistics.
+    /// Where only a read-back can tell whether a stamp saturates (the bounds of ground that was stamped again and again
+    /// widen), one is done, waits, and counts as a fallback.
+    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made; the stamps that are not applied stay queued.
+    /// Fails with Unsupported when a stamp's image exceeds what the GPU can hold; that stamp alone is dropped, and
+    /// named.
     Result<void> update(double dt_s);
 
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). Clears nothing.
@@ -94,7 +103,8 @@ public:
     [[nodiscard]] std::uint64_t gpu_bytes() const;
     [[nodiscard]] std::uint64_t cpu_bytes() const;
 
-    /// Reads the shaders again from `TerrainSettings::shader_folder`. On failure the last good ones stay in use.
+    /// Reads all shaders again from `TerrainSettings::shader_folder`. A program that fails stays as it was, and the
+    /// last error comes back.
     Result<void> reload_shaders();
 
     /// Messages of the context's debug output since the last call, with `collect_debug_messages`; empty on a good day.

@@ -118,6 +118,7 @@ public:
         gl_.DepthFunc(odd ? GL_GREATER : GL_NOTEQUAL);
         gl_.DepthMask(odd);
         toggle(GL_DEPTH_CLAMP, odd);
+        toggle(GL_POLYGON_SMOOTH, odd);
         toggle(GL_CULL_FACE, odd);
         gl_.CullFace(odd ? GL_FRONT : GL_FRONT_AND_BACK);
         gl_.FrontFace(odd ? GL_CW : GL_CCW);

@@ -11,6 +11,7 @@ namespace {
 
 using uint = std::uint32_t;
 using std::abs;
+using std::max;
 
 int g_sqrt_error_ulps = 0;
 float sqrt(float value) {

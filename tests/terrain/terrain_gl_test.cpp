@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 
 #include "support/gl_context.h"
 #include "support/gl_state.h"
@@ -134,8 +137,8 @@ TEST_F(TerrainTest, EveryPublicCallLeavesTheHostsStateAsItWas) {
         const BrushCursor cursor{.centre = {120, 120}, .radius_m = 3};
         ASSERT_TRUE(ground->draw(view(), {}, &cursor));
         unchanged("draw");
-        ground->replay(
-            *ground->stamp({.centre = {10, 10}, .radius_m = 10, .amplitude_m = 400, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->replay(
+            *ground->stamp({.centre = {10, 10}, .radius_m = 10, .amplitude_m = 400, .map = MapChoice::Coarse})));
         ASSERT_TRUE(ground->drain());
         unchanged("drain");
         EXPECT_TRUE(std::isfinite(ground->height_m({1, 1})));
@@ -207,7 +210,7 @@ TEST_F(TerrainTest, AStampAndItsNegationRestoreTheHashOnTheGpu) {
                                           .map = MapChoice::Coarse}));
     ASSERT_TRUE(ground->update(0));
     EXPECT_NE(ground->hash(), untouched);
-    for (const StampRecord& record : records) ground->replay(negated(record));
+    for (const StampRecord& record : records) ASSERT_TRUE(ground->replay(negated(record)));
     ASSERT_TRUE(ground->update(0));
     EXPECT_EQ(ground->hash(), untouched);
 }
@@ -224,6 +227,119 @@ TEST_F(TerrainTest, SaturationOnTheGpuIsReported) {
     EXPECT_EQ(gpu->hash(), cpu->hash());
     EXPECT_GT(cpu->total().deform.saturated, 0u);
     EXPECT_EQ(gpu->total().deform.saturated, cpu->total().deform.saturated);
+}
+
+TEST_F(TerrainTest, AFailingPassLosesNoStampAndAppliesNoneTwice) {
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::path(TILTH_BINARY_DIR) / "test-output" / "failing_pass";
+    fs::remove_all(folder);
+    fs::create_directories(folder.parent_path());
+    fs::copy(TILTH_SOURCE_DIR "/shaders", folder, fs::copy_options::recursive);
+    const fs::path shader = folder / "deform" / "stamps.frag";
+    {
+        std::ofstream broken(shader, std::ios::app);
+        broken << "#ifdef SMOOTH\nthis does not compile\n#endif\n";
+    }
+    TerrainSettings from_folder = settings(ExecutorKind::Gpu);
+    from_folder.shader_folder = folder.string();
+    const std::unique_ptr<Terrain> gpu = test::value(Terrain::create(ridged(), from_folder, get_proc()));
+    const std::unique_ptr<Terrain> cpu = terrain(ExecutorKind::Cpu);
+    for (Terrain* ground : {gpu.get(), cpu.get()}) {
+        for (const StampRule rule : {StampRule::Add, StampRule::Add, StampRule::Smooth, StampRule::Add})
+            ASSERT_TRUE(ground->stamp(
+                {.centre = {100, 100}, .radius_m = 10, .amplitude_m = 0.9, .map = MapChoice::Coarse, .rule = rule}));
+    }
+    ASSERT_TRUE(cpu->update(0));
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        const Result<void> failed = gpu->update(0);
+        ASSERT_FALSE(failed);
+        EXPECT_EQ(failed.error().code, ErrorCode::ShaderCompile);
+        EXPECT_NE(failed.error().message.find("stamps.frag"), std::string::npos) << failed.error().message;
+    }
+    EXPECT_FALSE(device().take_debug_messages().empty()) << "the compiler's own words, which no other test may hear";
+    EXPECT_NE(gpu->hash(), cpu->hash()) << "the smooth stamp still waits";
+    fs::copy_file(TILTH_SOURCE_DIR "/shaders/deform/stamps.frag", shader, fs::copy_options::overwrite_existing);
+    const Result<void> mended = gpu->update(0);
+    ASSERT_TRUE(mended) << mended.error().message;
+    EXPECT_EQ(gpu->hash(), cpu->hash());
+}
+
+TEST_F(TerrainTest, RecordsThatDoNotFitThisWorldAreRefused) {
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        const std::unique_ptr<Terrain> ground = terrain(executor);
+        const StateHash untouched = ground->hash();
+        const StampRecord good = *ground->stamp({.centre = {50, 50}, .radius_m = 0.5, .amplitude_m = 0});
+        const auto refused = [&](const char* field, auto change) {
+            StampRecord bad = good;
+            change(bad);
+            const Result<void> replayed = ground->replay(bad);
+            ASSERT_FALSE(replayed) << field;
+            EXPECT_EQ(replayed.error().message.rfind(field, 0), 0u) << replayed.error().message;
+        };
+        refused("shape:", [](StampRecord& r) { r.shape = 99; });
+        refused("shape:", [](StampRecord& r) { r.shape_hash ^= 1; });
+        refused("map:", [](StampRecord& r) { r.map = static_cast<MapKind>(5); });
+        refused("rule:", [](StampRecord& r) { r.rule = static_cast<StampRule>(5); });
+        refused("amplitude:", [](StampRecord& r) { r.rule = StampRule::Smooth, r.amplitude = 65537; });
+        refused("radius:", [](StampRecord& r) { r.radius = (8192u << 18) + 1; });
+        refused("centre:", [](StampRecord& r) { r.centre_x = INT64_MAX; });
+        ASSERT_TRUE(ground->update(0));
+        EXPECT_EQ(ground->hash(), untouched);
+        StampRecord later = good;
+        later.sequence = 1000;
+        ASSERT_TRUE(ground->replay(later));
+        EXPECT_EQ(ground->stamp({.centre = {50, 50}, .radius_m = 1})->sequence, 1001u)
+            << "numbers continue behind a replay";
+    }
+}
+
+TEST_F(TerrainTest, DiggingAndFillingForEverDoesNotEndInPassesOfOneStamp) {
+    TerrainSettings small = settings(ExecutorKind::Gpu);
+    const std::unique_ptr<Terrain> ground =
+        test::value(Terrain::create(std::make_shared<FlatSource>(129, 10.0), small, get_proc()));
+    const StateHash untouched = ground->hash();
+    std::uint64_t passes = 0, fallbacks = 0;
+    for (int frame = 0; frame < 300; ++frame) {  // 2 400 stamps of 5 cm on a map of +- 32 m
+        for (const double amplitude_m : {-0.05, 0.05, -0.05, 0.05, -0.05, 0.05, -0.05, 0.05})
+            ASSERT_TRUE(ground->stamp(
+                {.centre = {64, 64}, .radius_m = 10, .amplitude_m = amplitude_m, .map = MapChoice::Coarse}));
+        ASSERT_TRUE(ground->update(0));
+        passes += ground->last_frame().deform.passes;
+        fallbacks += ground->last_frame().deform.fallbacks;
+    }
+    EXPECT_LT(passes, 310u) << "a frame's stamps share one pass, however long the history";
+    EXPECT_GT(fallbacks, 0u) << "the history must be long enough to widen the bounds to the range";
+    EXPECT_LT(fallbacks, 6u);
+    EXPECT_EQ(ground->total().deform.saturated, 0u);
+    EXPECT_EQ(ground->hash(), untouched);
+}
+
+TEST_F(TerrainTest, FlatGroundHasOneColourUpToItsBorder) {
+    // 100 posts: the last post is none of the mips' own, and their next texel is padding.
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu})
+        for (const SlopeFormat format : {SlopeFormat::rg8, SlopeFormat::rg16f}) {
+            TerrainSettings coarse = settings(executor);
+            coarse.slopes = format;
+            coarse.clipmap = {.n = 15, .levels = 5};
+            const std::unique_ptr<Terrain> ground =
+                test::value(Terrain::create(std::make_shared<FlatSource>(100, 10.0), coarse, get_proc()));
+            const test::Target target(128, 128);
+            target.clear(1, 0, 1);
+            Shading shading;
+            shading.specular = 0;  // which varies with the view
+            const View above{.eye = {49.5, 110, 49.5}, .forward = {0, -1, 0}, .width = 128, .height = 128};
+            ASSERT_TRUE(ground->draw(above, shading));
+            const std::vector<std::uint8_t> pixels = target.pixels();
+            const std::size_t middle = (64 * 128 + 64) * 4;
+            int drawn = 0;
+            for (std::size_t i = 0; i < pixels.size(); i += 4) {
+                if (pixels[i] == 255 && pixels[i + 1] == 0 && pixels[i + 2] == 255) continue;
+                ++drawn;
+                for (std::size_t c = 0; c < 3; ++c)
+                    ASSERT_NEAR(pixels[i + c], pixels[middle + c], 1) << i / 4 % 128 << ", " << i / 4 / 128;
+            }
+            EXPECT_GT(drawn, 10000);
+        }
 }
 
 TEST_F(TerrainTest, AMirroredWorldDrawsFarFromItsSourceAndRefusesCoarseStamps) {

@@ -57,16 +57,28 @@ Result<Deformer> Deformer::create(gl::Device& device, gl::ShaderLibrary& shaders
     return Deformer(device, shaders, std::move(*copy));
 }
 
-Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats) {
+Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
+                             std::size_t& applied) {
     std::vector<StampTraits> traits;
     traits.reserve(stamps.size());
     for (const DeformStamp& stamp : stamps)
         traits.push_back({intersection(stamp.prepared.rect(), planes.rect()),
                           stamp.prepared.reads_own_texel_only() && !stamp.may_saturate});
-    for (const StampBatch& batch : plan_batches(traits))
+    applied = 0;
+    for (const StampBatch& batch : plan_batches(traits)) {
+        applied = batch.first;
         if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), planes, stats); !ran)
             return ran.error();
+    }
+    applied = stamps.size();
     return {};
+}
+
+Result<void> Deformer::reload() {
+    Result<void> result;
+    for (auto& [variant, pass] : passes_)
+        if (Result<void> reloaded = shaders_->reload(pass->program()); !reloaded) result = std::move(reloaded);
+    return result;
 }
 
 Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
@@ -89,6 +101,8 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
     if (!list) return list.error();
     if (!variant.one_stamp)
         if (const Result<void> uploaded = upload_lists(*list, batch, stats); !uploaded) return uploaded.error();
+    // Everything that can fail comes before the counting, so that a stamp that is tried again is counted once.
+    if (const Result<gl::TexelPass*> pass = pass_for(variant, stats); !pass) return pass.error();
     if (variant.one_stamp && stamps.front().may_saturate)
         if (const Result<void> counted = count_saturated(variant, *list, rects, planes, stats); !counted)
             return counted.error();
@@ -141,7 +155,12 @@ Result<void> Deformer::reserve_scratch(std::int32_t width, std::int32_t height, 
         if (!texture) return texture.error();
         scratch_.push_back(std::move(*texture));
     }
-    return {};
+    Result<gl::Framebuffer> framebuffer = gl::Framebuffer::create(*device_, "deform scratch");
+    if (!framebuffer) return framebuffer.error();
+    std::vector<const gl::Texture2D*> targets;
+    for (const gl::Texture2D& texture : scratch_) targets.push_back(&texture);
+    framebuffer->attach(targets);
+    return framebuffer->check();
 }
 
 Result<gl::TexelPass*> Deformer::pass_for(const Variant& variant, gl::StageStats& stats) {

@@ -39,8 +39,17 @@ public:
     static Result<Deformer> create(gl::Device& device, gl::ShaderLibrary& shaders);
 
     /// Applies `stamps` in order. Never waits for the GPU. Counts passes, draws, texels, bytes and programs.
-    /// Fails with ShaderCompile or OutOfMemory; stamps before the failing pass are then applied.
-    Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats);
+    /// Fails with ShaderCompile, OutOfMemory, or Unsupported (stamp images that exceed the largest texture); then the
+    /// first `applied` stamps are in the planes, wholly, and the rest has not begun.
+    Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
+                       std::size_t& applied);
+    Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats) {
+        std::size_t applied = 0;
+        return apply(stamps, planes, stats, applied);
+    }
+
+    /// Reads the shaders of all passes made so far again; each that fails keeps its last good program.
+    Result<void> reload();
 
     /// Adds the saturated texels whose counts have arrived. Never waits.
     void collect(gl::StageStats& stats);

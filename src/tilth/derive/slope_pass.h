@@ -34,6 +34,9 @@ public:
     void run(std::span<const TexelRect> changed, const HeightPlanes& planes, SlopeMap& slopes, gl::StageStats& derive,
              gl::StageStats& mips);
 
+    /// Reads the shader again; on failure the last good one stays in use.
+    Result<void> reload(gl::ShaderLibrary& shaders) { return shaders.reload(pass_.program()); }
+
 private:
     SlopePass(gl::TexelPass pass, const SlopeSettings& settings) : pass_(std::move(pass)), settings_(settings) {}
     gl::TexelPass pass_;

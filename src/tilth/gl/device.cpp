@@ -188,7 +188,12 @@ Result<std::unique_ptr<Device>> Device::create(GetProc get_proc, DeviceOptions o
                                                 "made the context")};
     device->capabilities_ = capabilities_of(gl);
     device->quirks_ = quirks_of(device->capabilities_.vendor, device->capabilities_.renderer);
-    if (options.collect_debug_messages && device->capabilities_.debug) device->install_debug_callback();
+    if (options.collect_debug_messages) {
+        if (!device->capabilities_.debug)
+            return Error{ErrorCode::Unsupported,
+                         "collect_debug_messages: the context lacks GL_KHR_debug and has no messages to collect"};
+        device->install_debug_callback();
+    }
     return device;
 }
 

@@ -87,7 +87,8 @@ struct LiveObject {
 class Device {
 public:
     /// Loads the function table through `get_proc` from the context that is current on this thread.
-    /// Fails with `ErrorCode::GlContext` below GL 3.3, without the core profile's functions, or with no context.
+    /// Fails with `ErrorCode::GlContext` below GL 3.3, without the core profile's functions, or with no context, and
+    /// with `Unsupported` when messages are asked for that the context cannot give.
     static Result<std::unique_ptr<Device>> create(GetProc get_proc, DeviceOptions options = {});
     ~Device();
     Device(const Device&) = delete;

@@ -16,12 +16,11 @@ struct StageStats {
     std::uint64_t saturated = 0;   ///< texels that reached the end of their range
     std::uint64_t fallbacks = 0;   ///< times that a slower way was taken because the faster one was not to be had
     double cpu_ms = 0;             ///< wall time of the calling thread
-    double gpu_ms = 0;             ///< GPU time whose queries were read in this frame; 0 if the driver cannot tell
 
     StageStats& operator+=(const StageStats& other) {
         passes += other.passes, draws += other.draws, primitives += other.primitives, texels += other.texels;
         bytes += other.bytes, programs += other.programs, saturated += other.saturated, fallbacks += other.fallbacks;
-        cpu_ms += other.cpu_ms, gpu_ms += other.gpu_ms;
+        cpu_ms += other.cpu_ms;
         return *this;
     }
     friend bool operator==(const StageStats&, const StageStats&) = default;

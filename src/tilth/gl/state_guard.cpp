@@ -285,6 +285,7 @@ constexpr TouchedState kTouchedState[] = {
     {"depth mask", 1, [](const Device& d, StateSlot* s) { s[0].integer = integer_of(d, GL_DEPTH_WRITEMASK); },
      [](const Device& d, const StateSlot* s) { d.gl().DepthMask(boolean_in(s[0])); }},
     switch_entry<GL_DEPTH_CLAMP>("depth clamp"),
+    switch_entry<GL_POLYGON_SMOOTH>("polygon smooth"),
     switch_entry<GL_CULL_FACE>("cull face"),
     {"cull face mode", 1, [](const Device& d, StateSlot* s) { s[0].integer = integer_of(d, GL_CULL_FACE_MODE); },
      [](const Device& d, const StateSlot* s) { d.gl().CullFace(enum_in(s[0])); }},

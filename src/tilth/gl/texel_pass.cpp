@@ -50,7 +50,7 @@ void TexelPass::begin(std::span<const Texture2D* const> targets, int level, Stag
     for (const GLenum capability :
          {GL_DITHER, GL_BLEND, GL_FRAMEBUFFER_SRGB, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_DEPTH_TEST, GL_STENCIL_TEST,
           GL_CULL_FACE, GL_RASTERIZER_DISCARD, GL_SAMPLE_ALPHA_TO_COVERAGE, GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE,
-          GL_SAMPLE_MASK, GL_POLYGON_OFFSET_FILL})
+          GL_SAMPLE_MASK, GL_POLYGON_OFFSET_FILL, GL_POLYGON_SMOOTH})
         gl.Disable(capability);
     for (GLenum i = 0; i < 8; ++i) gl.Disable(GL_CLIP_DISTANCE0 + i);
     gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

@@ -16,7 +16,7 @@ struct CopyRect {
 
 /// Copies level 0 of one texture into another of the same format. Uses glCopyImageSubData where the context has it,
 /// else glCopyTexSubImage2D through a read framebuffer. Cost: one call a rectangle; on llvmpipe under a microsecond to
-/// 64 x 64. GL state: may touch the read framebuffer and texture unit 0.
+/// 64 x 64. GL state: may touch the framebuffer bindings and texture unit 0.
 class TextureCopy {
 public:
     static Result<TextureCopy> create(Device& device);

@@ -19,7 +19,8 @@ constexpr double kLargestOrigin = 1e9;         // metres
 constexpr double kLargestCentre = 1e10;        // metres: 2^-24 m in 64 bits reach 5e11
 constexpr double kFixedPerMetre = 16777216.0;  // 2^24
 constexpr double kLargestRadiusTexels = 8192;
-constexpr double kCoarseRadiusPosts = 8;  // `auto` takes the coarse map from here on
+constexpr std::uint32_t kLargestRadius = 8192u << 18;  // of a record, 2^-18 texel
+constexpr double kCoarseRadiusPosts = 8;               // `auto` takes the coarse map from here on
 
 Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
 
@@ -172,11 +173,38 @@ Result<StampRecord> Ground::issue(const StampRequest& request) {
     return record;
 }
 
+Result<void> Ground::check(const StampRecord& record) const {
+    if (record.shape >= shapes_.size())
+        return invalid(text("shape: ", record.shape, " is not in the shape library of ", shapes_.size()));
+    if (record.shape_hash != shapes_.shape({record.shape}).hash)
+        return invalid(text("shape: '", shapes_.shape({record.shape}).name,
+                            "' has other data here than when the record was made"));
+    if (record.map > MapKind::Detail) return invalid(text("map: ", static_cast<int>(record.map), " is no map"));
+    if (record.map == MapKind::Detail && !settings_.detail) return invalid("map: this world has no detail map");
+    if (record.map == MapKind::Coarse && settings_.mirror)
+        return invalid("map: a mirrored world takes no coarse stamps");
+    if (record.rule > StampRule::Smooth) return invalid(text("rule: ", static_cast<int>(record.rule), " is no rule"));
+    if (record.rule == StampRule::Smooth && record.amplitude > static_cast<std::uint32_t>(kWeightOne))
+        return invalid(text("amplitude: ", record.amplitude, " is above 65536, the most that smooth takes"));
+    if (record.radius > kLargestRadius) return invalid(text("radius: ", record.radius, " is above 8192 texels"));
+    constexpr auto kFarthest = static_cast<std::int64_t>(kLargestCentre * kFixedPerMetre);
+    for (const std::int64_t centre : {record.centre_x, record.centre_z})
+        if (centre > kFarthest || centre < -kFarthest)
+            return invalid(text("centre: ", centre, " is not within 1e10 m of zero"));
+    return {};
+}
+
+Result<void> Ground::accept(const StampRecord& record) {
+    const Result<void> checked = check(record);
+    if (checked) next_sequence_ = std::max(next_sequence_, record.sequence + 1);
+    return checked;
+}
+
 ApplyResult Ground::apply(const StampRecord& record) {
-    TILTH_EXPECTS(shapes_.shape({record.shape}).hash == record.shape_hash, "a record whose shape has other data here");
+    const Result<void> checked = check(record);
+    TILTH_ASSERT(checked.ok(), checked.error().message);
     const PreparedStamp stamp = prepare(record, map(record.map), shapes_);
     if (record.map == MapKind::Detail) return apply_stamp(stamp, detail_, detail_map_.grid.rect());
-    TILTH_ASSERT(!settings_.mirror, "a coarse record for a mirrored world");
     return apply_stamp(stamp, coarse_);
 }
 

@@ -30,7 +30,7 @@ struct GroundSettings {
                                        ///< such a world takes no coarse stamps
     bool detail = true;                ///< a detail map exists
     std::int32_t texels_per_post = 3;  ///< detail texels per post spacing, 1..64
-    std::int32_t tile_size = 2048;     ///< detail texels a tile, a multiple of 64
+    std::int32_t tile_size = 2048;     ///< detail texels a tile, a multiple of 64 in 64..8192
     HeightPrecision precision = HeightPrecision::bits32;
 };
 
@@ -72,8 +72,13 @@ public:
     /// one.
     [[nodiscard]] MapKind settled_map(const StampRequest& request) const;
 
-    /// Applies one record on the CPU. Cost: about 1-3 ns a texel with AVX2. Records of another world's shapes are the
-    /// caller's mistake.
+    /// Checks a record that was made earlier or elsewhere (a log, another machine, `negated`) against this world: its
+    /// map, rule, ranges, and that its shape has the same data here. Later sequence numbers continue behind it. Fails
+    /// with `InvalidArgument` and the field's name.
+    Result<void> accept(const StampRecord& record);
+
+    /// Applies one record on the CPU. Cost: about 3 ns a texel with AVX2. The record was issued or accepted by this
+    /// ground; another is the caller's mistake and stops the program.
     ApplyResult apply(const StampRecord& record);
 
     /// Height of the surface at `at`, metres: each map interpolated linearly on cells split along the diagonal from
@@ -98,6 +103,7 @@ public:
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
+    [[nodiscard]] Result<void> check(const StampRecord& record) const;
     Ground(std::shared_ptr<const HeightSource> source, const GroundSettings& settings, MapGeometry coarse_map,
            MapGeometry detail_map);
 

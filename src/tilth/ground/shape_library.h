@@ -34,7 +34,7 @@ struct Shape {
     std::int32_t lowest_weight = 0, highest_weight = 0;  ///< of `weights`
     double least_radius_texels = 0;                      ///< smaller stamps are widened to this, with their volume kept
     bool zero_volume = false;  ///< the sampled stamp's residue is given to the centre texel (crater)
-    std::uint64_t hash = 0;    ///< XXH3-64 of kind, size and weights
+    std::uint64_t hash = 0;    ///< XXH3-64 of kind, size, weights and how it is widened and balanced
 };
 
 /// The shapes of one world. Shapes are only ever added; ids stay valid. Built-in profiles are always there.

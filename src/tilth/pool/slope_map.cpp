@@ -1,6 +1,7 @@
 #include "tilth/pool/slope_map.h"
 
 #include <utility>
+#include <vector>
 
 namespace tilth {
 
@@ -18,6 +19,19 @@ Result<SlopeMap> SlopeMap::create(gl::Device& device, std::int32_t width, std::i
                                .levels = kLevels,
                                .filter = gl::Filter::LinearMipNearest});
     if (!texture) return texture.error();
+    // Flat everywhere, the padding included: a filter's weight of 0 times an undefined half float may be NaN.
+    const bool bytes = format == SlopeFormat::rg8;
+    for (std::int32_t level = 0; level < kLevels; ++level) {
+        const gl::Rect whole = texture->bounds(level);
+        const std::vector<std::uint8_t> flat(static_cast<std::size_t>(whole.count()) * (bytes ? 2 : 4),
+                                             bytes ? 128 : 0);
+        texture->upload(level, whole, flat.data());
+    }
+    Result<gl::Framebuffer> framebuffer = gl::Framebuffer::create(device, "slope map");
+    if (!framebuffer) return framebuffer.error();
+    const gl::Texture2D* const target[] = {&*texture};
+    framebuffer->attach(target);
+    if (const Result<void> complete = framebuffer->check(); !complete) return complete.error();
     return SlopeMap(std::move(*texture), width, depth, format);
 }
 

@@ -22,7 +22,7 @@ class SlopeMap {
 public:
     static constexpr std::int32_t kLevels = 8;
 
-    /// Content undefined until the slope pass has run over the whole map.
+    /// Flat until the slope pass has run. Fails when the size exceeds the context's limit or cannot be drawn to.
     static Result<SlopeMap> create(gl::Device& device, std::int32_t width, std::int32_t depth, SlopeFormat format);
 
     [[nodiscard]] TexelRect rect() const { return {{0, 0}, {width_, depth_}}; }

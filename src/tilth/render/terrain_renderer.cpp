@@ -175,9 +175,10 @@ TerrainRenderer::Uniforms::Uniforms(gl::Program& program)
       cursor_colour(program.uniform("u_cursor_colour")) {}
 
 Result<void> TerrainRenderer::reload(gl::ShaderLibrary& shaders) {
+    Result<void> result;
     for (Shader& shader : shaders_)
-        if (const Result<void> reloaded = shaders.reload(shader.program); !reloaded) return reloaded.error();
-    return {};
+        if (Result<void> reloaded = shaders.reload(shader.program); !reloaded) result = std::move(reloaded);
+    return result;
 }
 
 Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, const BrushCursor* cursor,
@@ -334,9 +335,10 @@ void TerrainRenderer::set_state(const View& view) {
     } else {
         gl.Disable(GL_CULL_FACE);
     }
-    for (const GLenum off : {GL_BLEND, GL_DITHER, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_STENCIL_TEST,
-                             GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_SAMPLE_ALPHA_TO_COVERAGE,
-                             GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
+    for (const GLenum off :
+         {GL_BLEND, GL_DITHER, GL_POLYGON_SMOOTH, GL_COLOR_LOGIC_OP, GL_SCISSOR_TEST, GL_STENCIL_TEST,
+          GL_RASTERIZER_DISCARD, GL_POLYGON_OFFSET_FILL, GL_DEPTH_CLAMP, GL_SAMPLE_ALPHA_TO_COVERAGE,
+          GL_SAMPLE_ALPHA_TO_ONE, GL_SAMPLE_COVERAGE, GL_SAMPLE_MASK, GL_PRIMITIVE_RESTART})
         gl.Disable(off);
     for (GLenum plane = 0; plane < 8; ++plane) gl.Disable(GL_CLIP_DISTANCE0 + plane);
     gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
@@ -371,7 +373,7 @@ void TerrainRenderer::set_uniforms(const Shader& shader, const Camera& camera, c
         for (const std::int32_t value : {nodes.min_x, nodes.min_z, nodes.width, nodes.first}) grids.push_back(value);
     program.set_ivec4s(u.node_grids, grids);
 
-    const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1e-6);
+    const double tint_span = std::max(shading.tint_high_m - shading.tint_low_m, 1.0);
     program.set(u.eye_tint, f(1 / tint_span),
                 f((camera.eye_y_m + map_.codec.middle_m - shading.tint_low_m) / tint_span));
     set(program, u.to_light, normalised(shading.to_light));

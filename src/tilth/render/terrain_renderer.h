@@ -64,7 +64,7 @@ public:
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor, const HeightPlanes& planes,
                       const SlopeMap& slopes, const HeightBounds& bounds, gl::StageStats& stats);
 
-    /// Reads the shaders again; on failure the last good ones stay in use.
+    /// Reads the shaders again; each program that fails stays as it was, and the last error comes back.
     Result<void> reload(gl::ShaderLibrary& shaders);
 
     [[nodiscard]] RendererDebug& debug() { return debug_; }

@@ -37,7 +37,7 @@ struct Shading {
     Vec3f low_colour{0.36f, 0.46f, 0.22f};     ///< flat ground at the bottom of `tint_range`
     Vec3f high_colour{0.72f, 0.68f, 0.60f};    ///< flat ground at its top
     Vec3f steep_colour{0.53f, 0.48f, 0.42f};   ///< ground steeper than about 45 degrees
-    double tint_low_m = 0, tint_high_m = 100;  ///< heights between which low turns to high, metres
+    double tint_low_m = 0, tint_high_m = 100;  ///< heights between which low turns to high, metres; at least 1 m apart
 };
 
 /// The brush cursor: a ring draped on the ground.
