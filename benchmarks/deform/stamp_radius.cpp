@@ -33,14 +33,14 @@ void stamp_radius(benchmark::State& state, Column column, HeightPrecision precis
         single.run(state, [&] { map.apply(column, {lower ? &down : &up, 1}); });
         lower = !lower;
     }
-    if (!lower) map.apply(column, {&up, 1});
-    map.apply(column, {&down, 1});
+    if (!lower) map.apply(column, {&up, 1});  // the row's hash is that of the ground with one stamp
     single.report(state);
     const auto texels = static_cast<double>(up.rect().count());
     state.counters["texels"] = texels;
     state.counters["ns_per_texel"] = single.subject().p50 * 1e6 / texels;
     state.counters["texels_per_s"] = texels / (single.subject().p50 / 1000);
     report_hash(state, map.hash(column));
+    map.apply(column, {&down, 1});
     medians()[{static_cast<int>(column), static_cast<int>(precision)}][texels] = single.subject().p50;
 }
 
