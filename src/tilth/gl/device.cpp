@@ -280,4 +280,9 @@ void Device::remove_live(ObjectKind kind, unsigned id) {
     live_.pop_back();
 }
 
+Error out_of_memory(const char* what, std::string_view label, std::uint64_t bytes, unsigned gl_error) {
+    return {ErrorCode::OutOfMemory, text(what, " \"", label, "\": the driver refused ", bytes, " bytes (",
+                                         error_name(gl_error), "); use fewer or smaller tiles")};
+}
+
 }  // namespace tilth::gl

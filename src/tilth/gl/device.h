@@ -143,4 +143,7 @@ private:
 /// "GL_INVALID_OPERATION" for 0x0502, and so on.
 std::string error_name(unsigned gl_error);
 
+/// What creating `label` reports when GL refuses `bytes` bytes.
+Error out_of_memory(const char* what, std::string_view label, std::uint64_t bytes, unsigned gl_error);
+
 }  // namespace tilth::gl
