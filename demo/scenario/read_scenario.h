@@ -1,4 +1,4 @@
-// Reads scenarios: TOML in SCENARIO's exact form to checked data. Everything wrong is reported before anything runs.
+// Reads scenarios: TOML in the form of SCENARIO.md to checked data. Everything wrong is reported before anything runs.
 #pragma once
 
 #include <filesystem>

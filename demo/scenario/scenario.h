@@ -1,4 +1,5 @@
-// A scenario as plain data: what SCENARIO's TOML form says, checked and with its defaults filled in. No TOML, no GL.
+// A scenario as plain data: what the TOML form of SCENARIO.md says, checked and with its defaults filled in. No TOML,
+// no GL.
 #pragma once
 
 #include <array>
@@ -32,7 +33,6 @@ struct ViewPart {
     Vec3f clear{0.6f, 0.6f, 0.6f};            ///< background, linear RGB
     std::string backend = "none";
     std::string preset = "medium";
-    // Ours, beyond SCENARIO's keys.
     double fog_per_m = 0;                    ///< density of exp(-(density d)^2); the fog has the clear colour
     std::optional<Vec3d> to_light;           ///< direction towards the light; absent: `Shading`'s
     std::optional<double> ambient, diffuse;  ///< factors on the ground's colour; absent: `Shading`'s
@@ -66,7 +66,7 @@ struct RandomStep {
     std::array<double, 2> radius_m{1, 1}, amplitude_m{0, 0};
     MapChoice map = MapChoice::Auto;
     std::vector<std::string> shapes;  ///< in the library's order; never empty
-    std::vector<StampRule> rules;     ///< in SCENARIO's order; never empty
+    std::vector<StampRule> rules;     ///< in the order of `StampRule`; never empty
 };
 
 struct WalkStep {

@@ -1,4 +1,4 @@
-// The statistics of a run, and their JSON form (SCENARIO, "Statistics").
+// The statistics of a run, and their JSON form (demo/scenario/SCENARIO.md, "Statistics").
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct RunReport {
     std::vector<std::string> failures;
 };
 
-/// All keys of SCENARIO. Stages that this build does not have (cache, effects) are zeros.
+/// All keys of SCENARIO.md. Stages that this build does not have (cache, effects) are zeros.
 Json to_json(const RunReport& report);
 
 /// The value at a path like "last_frame.deform.passes" or "queries.0.1"; nothing if there is none.

@@ -9,6 +9,7 @@
 #include "tilth/deform/deformer.h"
 #include "tilth/derive/slope_pass.h"
 #include "tilth/executor_choice.h"
+#include "tilth/gl/api.h"
 #include "tilth/gl/debug_group.h"
 #include "tilth/gl/device.h"
 #include "tilth/gl/shader_library.h"
@@ -331,6 +332,11 @@ Result<void> Terrain::drain() {
 Result<void> Terrain::draw(const View& view, const Shading& shading, const BrushCursor* cursor) {
     if (!impl_->gpu) return Error{ErrorCode::Unsupported, "draw: this terrain was created without a GL context"};
     GpuStages& gpu = *impl_->gpu;
+    if (gpu.device->gl().CheckFramebufferStatus(GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        return Error{
+            ErrorCode::InvalidArgument,
+            "draw: the bound draw framebuffer is not complete (a surfaceless context has none of its own); bind one "
+            "with colour and depth"};
     const gl::StateGuard guard(*gpu.device);
     const gl::DebugGroup group(*gpu.device, "tilth: draw");
     return gpu.renderer->draw(view, shading, cursor, *gpu.planes, *gpu.slopes, *impl_->bounds, impl_->frame.render);

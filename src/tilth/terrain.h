@@ -79,8 +79,11 @@ public:
     /// named.
     Result<void> update(double dt_s);
 
-    /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). Clears nothing.
-    /// Fails without GL, and with settings out of range.
+    /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound
+    /// a complete one with a depth attachment and cleared both (depth to 1, or 0 with `DepthConvention::Reversed`);
+    /// depth test, culling and masks are set here. Colours are linear RGB; GL encodes them where the host enabled
+    /// GL_FRAMEBUFFER_SRGB. The detail map is not drawn in this version. Fails without GL, with settings out of range,
+    /// and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
     /// Waits until everything queued is in the ground and the CPU's copy is current. Counted outside the frame.

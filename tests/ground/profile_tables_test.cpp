@@ -1,4 +1,4 @@
-// The committed tables are SCENARIO's formulae, rounded half to even; turns are angles.
+// The committed tables are the formulae of shape_library.h, rounded half to even; turns are angles.
 #include "tilth/ground/profile_tables.h"
 
 #include <gtest/gtest.h>

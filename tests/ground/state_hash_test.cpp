@@ -1,4 +1,4 @@
-// The state hash as SCENARIO defines it, laid out here byte by byte and hashed in one go.
+// The state hash as ground.h defines it, laid out here byte by byte and hashed in one go.
 #include <gtest/gtest.h>
 
 #define XXH_INLINE_ALL

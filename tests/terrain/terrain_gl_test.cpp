@@ -374,6 +374,16 @@ TEST_F(TerrainTest, WithoutGlDrawingIsRefusedWithTheReason) {
     EXPECT_FALSE(Terrain::create(ridged(), settings(ExecutorKind::Gpu), nullptr));
 }
 
+TEST_F(TerrainTest, DrawingIntoNothingIsRefusedWithoutAGlError) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Cpu);
+    const gl::Framebuffer empty = test::value(gl::Framebuffer::create(device(), "empty"));
+    empty.bind();
+    const Result<void> drawn = ground->draw(view(), {});
+    ASSERT_FALSE(drawn);
+    EXPECT_EQ(drawn.error().message.rfind("draw:", 0), 0u);
+    (void)device().take_debug_messages();  // Mesa says why it is incomplete
+}
+
 TEST_F(TerrainTest, BadSettingsAreRefusedByTheFieldsName) {
     const auto refusal = [&](auto change) {
         TerrainSettings bad = settings(ExecutorKind::Cpu);

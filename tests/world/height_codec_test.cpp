@@ -67,7 +67,7 @@ TEST(HeightCodec, DetailIsTwoToTheMinusTwelveAndMinusTwentyEightOverEightMetresE
     EXPECT_EQ(codec.max_m(), 8.0 - std::ldexp(1.0, -28));
 }
 
-// SCENARIO: the smallest power of two with 65536 q >= 4 (max - min) + 64 m; mid-code at the middle.
+// The default: the smallest power of two with 65536 q >= 4 (max - min) + 64 m; mid-code at the middle.
 TEST(HeightCodec, RangeChoosesTheSmallestSufficientPowerOfTwo) {
     const auto check = [](double low, double high) {
         const HeightCodec codec = HeightCodec::for_range(low, high);

@@ -44,7 +44,7 @@ public:
 
     Result<void> make_current();
     void release_current();
-    /// Looks up GL functions of this route; pass it to `gl::Device::create`.
+    /// Looks up GL functions of this route; pass it to `Terrain::create`.
     [[nodiscard]] gl::GetProc get_proc() const;
     [[nodiscard]] Route route() const;
     [[nodiscard]] std::string_view route_name() const { return name_of(route()); }

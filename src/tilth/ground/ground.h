@@ -88,7 +88,10 @@ public:
     /// Original height of a coarse post, metres, as its code holds it.
     [[nodiscard]] double original_height_m(Texel post) const;
 
-    /// XXH3-64 of both maps as SCENARIO defines it. Costs one pass over all codes.
+    /// XXH3-64 of both maps, of 32-bit little-endian words (`bits16`: code << 16). Coarse: all codes, row by row; in a
+    /// mirrored world those of the source. Detail: every 64 x 64 page whose codes are not all 2^31, touched or not, in
+    /// the order of (tile z, tile x, page z, page x), each as those four indices in 64 bits, pages counted within the
+    /// tile, and its codes. Costs one pass over all codes.
     [[nodiscard]] StateHash hash() const;
 
     /// Coarse codes: the base level of everything. In a mirrored world those of the source's own posts.

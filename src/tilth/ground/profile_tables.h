@@ -8,7 +8,8 @@
 
 namespace tilth {
 
-/// Weights of a built-in profile at t = i / 1024, 1/65 536 each: round(65536 w(t)) of SCENARIO's formula.
+/// Weights of a built-in profile at t = i / 1024, 1/65 536 each: round(65536 w(t)) of the formula beside
+/// `BuiltinProfile`.
 std::span<const std::int32_t> profile_table(BuiltinProfile profile);
 
 }  // namespace tilth

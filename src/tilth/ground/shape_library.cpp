@@ -139,6 +139,13 @@ std::optional<ShapeId> ShapeLibrary::find(std::string_view name) const {
     return ShapeId{static_cast<std::uint32_t>(std::distance(shapes_.begin(), found))};
 }
 
+Result<ShapeId> ShapeLibrary::named(std::string_view name) const {
+    if (const std::optional<ShapeId> found = find(name)) return *found;
+    std::string names;
+    for (const Shape& shape : shapes_) names += (names.empty() ? "" : ", ") + shape.name;
+    return Error{ErrorCode::NotFound, text("shape: no '", name, "' in the library; there are: ", names)};
+}
+
 const Shape& ShapeLibrary::shape(ShapeId id) const {
     TILTH_ASSERT(id.value < size(), "a shape id of another library");
     return shapes_[id.value];

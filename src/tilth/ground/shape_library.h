@@ -21,8 +21,15 @@ inline constexpr int kProfileEntries = 1025;
 /// The weight of one, in tables and after sampling. Weights lie in -kWeightOne..kWeightOne.
 inline constexpr std::int32_t kWeightOne = 65536;
 
-/// The built-in profiles, in the order of SCENARIO; their `ShapeId` is their number here.
-enum class BuiltinProfile : std::uint32_t { Gaussian, Cone, Paraboloid, Cosine, Crater, Disc };
+/// The built-in profiles; their `ShapeId` is their number here. Weight w at t = distance / radius, zero from t = 1 on.
+enum class BuiltinProfile : std::uint32_t {
+    Gaussian,    ///< (exp(-6 t^2) - exp(-6)) / (1 - exp(-6))
+    Cone,        ///< 1 - t
+    Paraboloid,  ///< 1 - t^2
+    Cosine,      ///< (1 + cos(pi t)) / 2
+    Crater,      ///< (1 - t^2)^2 (1 - 4 t^2): a bowl with a rim, no net volume
+    Disc,        ///< 1
+};
 inline constexpr std::uint32_t kBuiltinProfiles = 6;
 
 /// One shape. A profile has `kProfileEntries` weights; an image `width * height`, row by row.
@@ -59,6 +66,8 @@ public:
     Result<ShapeId> bake(std::string name, std::int32_t size, const std::function<double(double x, double z)>& weight);
 
     [[nodiscard]] std::optional<ShapeId> find(std::string_view name) const;
+    /// As `find`; fails with NotFound and the names that exist.
+    [[nodiscard]] Result<ShapeId> named(std::string_view name) const;
     /// `id` must come from this library.
     [[nodiscard]] const Shape& shape(ShapeId id) const;
     [[nodiscard]] std::uint32_t size() const { return static_cast<std::uint32_t>(shapes_.size()); }

@@ -11,7 +11,8 @@ namespace tilth {
 /// The two height maps. Ground = coarse + detail.
 enum class MapKind : std::uint8_t { Coarse, Detail };
 
-/// Which map a stamp goes to. `Auto`: coarse from a radius of eight posts on, else detail (where there is one).
+/// Which map a stamp goes to. `Auto`: coarse from a radius of eight posts on, else detail (where there is one). This
+/// version keeps detail, but does not draw it: ask for `Coarse` where a small stamp is to be seen.
 enum class MapChoice : std::uint8_t { Auto, Coarse, Detail };
 
 /// What a stamp does to a texel, w being the profile's or image's weight there.
@@ -32,15 +33,17 @@ struct ShapeId {
 /// A stamp as a host asks for it. Checked by `Ground::issue`, which refuses bad values with the field's name.
 struct StampRequest {
     ShapeId shape;             ///< from the world's `ShapeLibrary`
-    WorldPos centre;           ///< metres, world space; finite
+    WorldPos centre;           ///< metres, world space; finite; off the map it does nothing
     double radius_m = 1.0;     ///< > 0, under 8 192 texels of the map; an image covers a square of twice this
     double amplitude_m = 0.0;  ///< metres (for `Smooth` a fraction 0..1); negative digs
     MapChoice map = MapChoice::Auto;
     StampRule rule = StampRule::Add;
-    std::optional<double> level_m;  ///< for min, max, set: absolute on the coarse map (required), offset on detail (0)
-    double rotation_rad = 0.0;      ///< maps (1, 0) to (cos, -sin); any finite angle
-    bool mirror = false;            ///< flips an image along its x axis before it is turned
-    std::optional<std::uint32_t> key;  ///< seed of the 16-bit dither; drawn from the sequence number when absent
+    std::optional<double> level_m =
+        std::nullopt;           ///< for min, max, set: absolute on the coarse map (required), offset on detail (0)
+    double rotation_rad = 0.0;  ///< maps (1, 0) to (cos, -sin); any finite angle
+    bool mirror = false;        ///< flips an image along its x axis before it is turned
+    std::optional<std::uint32_t> key =
+        std::nullopt;  ///< seed of the 16-bit dither; drawn from the sequence number when absent
 };
 
 /// A stamp as the world keeps it: fixed size, integers only, nothing in it depends on what lies under it. It can be

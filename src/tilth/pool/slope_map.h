@@ -8,9 +8,9 @@
 
 namespace tilth {
 
-/// How slopes are stored. Errors for uniform normals up to 60 degrees: SCIENCE 1.5.
+/// How slopes are stored. Errors in degrees rms for normals spread evenly up to slopes of 60 degrees.
 enum class SlopeFormat : std::uint8_t {
-    rg8,    ///< p / (1 + |p|) in two bytes: 0.28 degrees rms, cliffs saturate without turning
+    rg8,    ///< p / (1 + |p|) in two bytes: 0.28 degrees, cliffs saturate without turning
     rg16f,  ///< p as half floats: about 0.02 degrees, twice the memory
 };
 

@@ -21,11 +21,14 @@ struct View {
     Vec3d forward{0, 0, -1};                ///< view direction, not zero
     Vec3d up{0, 1, 0};                      ///< if parallel to `forward`, another axis is taken
     double fov_y_rad = 1.0471975511965976;  ///< vertical field of view, clamped to [0.001, 3.1]
-    std::int32_t width = 0, height = 0;     ///< viewport in pixels; 0 x 0 draws nothing
+    std::int32_t width = 0, height = 0;     ///< viewport in pixels, to be set; 0 x 0 draws nothing
     double near_m = 0.1;                    ///< > 0
     double far_m = 20000;                   ///< > near
     DepthConvention depth = DepthConvention::Standard;
 };
+
+/// The direction from one point to another, for `View::forward`; not normalised.
+constexpr Vec3d towards(const Vec3d& from, const Vec3d& to) { return {to.x - from.x, to.y - from.y, to.z - from.z}; }
 
 /// Light, fog and tint. Colours are linear RGB.
 struct Shading {

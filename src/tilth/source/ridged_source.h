@@ -20,6 +20,7 @@ struct RidgedSettings {
 /// float), by scaling. The same bits on every machine: gradients come from an integer hash, and all arithmetic is + - *
 /// / sqrt and floor of IEEE doubles in a fixed order; no libm. Cost: computed once, 4 bytes a post; 1 025 x 1 025 posts
 /// take about 0.15 s, 4 097 x 4 097 about 3 s.
+/// Settings out of range are the caller's mistake and stop the program; what a user typed goes through `make_source`.
 std::unique_ptr<RasterSource> make_ridged_source(const RidgedSettings& settings);
 
 }  // namespace tilth
