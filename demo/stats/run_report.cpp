@@ -9,9 +9,9 @@ namespace tilth::demo {
 namespace {
 
 Json stage_json(const gl::StageStats& s) {
-    return {{"passes", s.passes}, {"draws", s.draws},       {"primitives", s.primitives}, {"texels", s.texels},
-            {"bytes", s.bytes},   {"programs", s.programs}, {"saturated", s.saturated},   {"fallbacks", s.fallbacks},
-            {"cpu_ms", s.cpu_ms}};
+    return {{"passes", s.passes},       {"draws", s.draws},         {"primitives", s.primitives},
+            {"texels", s.texels},       {"bytes", s.bytes},         {"programs", s.programs},
+            {"saturated", s.saturated}, {"fallbacks", s.fallbacks}, {"cpu_ms", s.cpu_ms}};
 }
 
 Json stats_json(const gl::FrameStats& f) {

@@ -104,8 +104,8 @@ TEST(ClipmapLayout, WindowsAreEvenNestedAndCentred) {
 // Every vertex of a border: alpha is 1 outside and 0 at the hole, computed in float as the shader does.
 TEST(ClipmapLayout, MorphIsOneOnOuterBordersAndZeroOnHoles) {
     for (const std::int32_t n : {15, 31, 63, 127, 255, 511, 1023}) {
-        for (const float blend : {0.02f, 0.1f, 0.25f}) {
-            const float zone = shared::morph_zone_units(n, blend);
+        for (const double blend : {0.02, 0.1, 0.25}) {
+            const float zone = shared::morph_zone_units(n, static_cast<float>(blend));
             ASSERT_GT(zone, 0.25f);
             int partly = 0;
             for (int step = 0; step < 300; ++step) {

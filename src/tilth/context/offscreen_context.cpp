@@ -37,7 +37,7 @@ Result<OffscreenContext> OffscreenContext::create(Route route, const Options& op
     auto created = route == Route::Egl ? make_egl(options) : make_osmesa(options);
     if (!created) return created.error();
     OffscreenContext offscreen(*std::move(created));
-    if (Result<void> current = offscreen.make_current(); !current) return current.error();
+    if (Result<void> became = offscreen.make_current(); !became) return became.error();
     offscreen.implementation_->read_renderer();
     return offscreen;
 }
