@@ -59,9 +59,17 @@ Result<Deformer> Deformer::create(gl::Device& device, gl::ShaderLibrary& shaders
 
 Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
                              std::size_t& applied) {
+    // A shape that the GPU cannot hold stops the list at its stamp, not at the pass that the stamp would have shared.
+    Result<void> placed;
+    std::size_t count = 0;
+    for (; count < stamps.size(); ++count)
+        if (const auto place = atlas_.place(*stamps[count].prepared.shape, stats.bytes); !place) {
+            placed = place.error();
+            break;
+        }
     std::vector<StampTraits> traits;
-    traits.reserve(stamps.size());
-    for (const DeformStamp& stamp : stamps)
+    traits.reserve(count);
+    for (const DeformStamp& stamp : stamps.first(count))
         traits.push_back({intersection(stamp.prepared.rect(), planes.rect()),
                           stamp.prepared.reads_own_texel_only() && !stamp.may_saturate});
     applied = 0;
@@ -70,8 +78,8 @@ Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& 
         if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), planes, stats); !ran)
             return ran.error();
     }
-    applied = stamps.size();
-    return {};
+    applied = count;
+    return placed;
 }
 
 Result<void> Deformer::reload() {
