@@ -41,7 +41,6 @@ public:
     /// Applies `stamps` in order. Never waits for the GPU. Counts passes, draws, texels, bytes and programs.
     /// Fails with ShaderCompile, OutOfMemory, or Unsupported (stamp images that exceed the largest texture); then the
     /// first `applied` stamps are in the planes, wholly, and the rest has not begun; Unsupported is about the next one.
-    /// with Unsupported it is the next one whose shape is refused.
     Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
                        std::size_t& applied);
     Result<void> apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats) {
