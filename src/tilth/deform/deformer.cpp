@@ -60,26 +60,30 @@ Result<Deformer> Deformer::create(gl::Device& device, gl::ShaderLibrary& shaders
 Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
                              std::size_t& applied) {
     // A shape that the GPU cannot hold stops the list at its stamp, not at the pass that the stamp would have shared.
-    Result<void> placed;
-    std::size_t count = 0;
-    for (; count < stamps.size(); ++count)
-        if (const auto place = atlas_.place(*stamps[count].prepared.shape, stats.bytes); !place) {
-            placed = place.error();
+    Result<void> held;
+    std::vector<StampParams> list;
+    std::vector<StampTraits> traits;
+    for (const DeformStamp& stamp : stamps) {
+        const Result<std::uint32_t> place = atlas_.place(*stamp.prepared.shape, stats.bytes);
+        if (!place) {
+            held = place.error();
             break;
         }
-    std::vector<StampTraits> traits;
-    traits.reserve(count);
-    for (const DeformStamp& stamp : stamps.first(count))
+        list.push_back(stamp.prepared.params);
+        list.back().table = *place;
         traits.push_back({intersection(stamp.prepared.rect(), planes.rect()),
                           stamp.prepared.reads_own_texel_only() && !stamp.may_saturate});
+    }
     applied = 0;
     for (const StampBatch& batch : plan_batches(traits)) {
         applied = batch.first;
-        if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), planes, stats); !ran)
+        const auto of_batch = std::span(list).subspan(batch.first, batch.count);
+        if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), of_batch, planes, stats);
+            !ran)
             return ran.error();
     }
-    applied = count;
-    return placed;
+    applied = list.size();
+    return held;
 }
 
 Result<void> Deformer::reload() {
@@ -89,8 +93,8 @@ Result<void> Deformer::reload() {
     return result;
 }
 
-Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
-                           gl::StageStats& stats) {
+Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps,
+                           std::span<const StampParams> list, HeightPlanes& planes, gl::StageStats& stats) {
     Variant variant{
         .bits16 = planes.precision() == HeightPrecision::bits16, .only_add = true, .one_stamp = stamps.size() == 1};
     for (const DeformStamp& stamp : stamps) {
@@ -105,16 +109,14 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
         height = std::max(height, rect.max_z);
     }
     if (const Result<void> reserved = reserve_scratch(width, height, planes); !reserved) return reserved.error();
-    const Result<std::vector<StampParams>> list = packed(stamps, stats);
-    if (!list) return list.error();
     if (!variant.one_stamp)
-        if (const Result<void> uploaded = upload_lists(*list, batch, stats); !uploaded) return uploaded.error();
+        if (const Result<void> uploaded = upload_lists(list, batch, stats); !uploaded) return uploaded.error();
     // Everything that can fail comes before the counting, so that a stamp that is tried again is counted once.
     if (const Result<gl::TexelPass*> pass = pass_for(variant, stats); !pass) return pass.error();
     if (variant.one_stamp && stamps.front().may_saturate)
-        if (const Result<void> counted = count_saturated(variant, *list, rects, planes, stats); !counted)
+        if (const Result<void> counted = count_saturated(variant, list, rects, planes, stats); !counted)
             return counted.error();
-    if (const Result<void> drawn = draw(variant, *list, rects, planes, stats); !drawn) return drawn.error();
+    if (const Result<void> drawn = draw(variant, list, rects, planes, stats); !drawn) return drawn.error();
 
     std::vector<gl::CopyRect> copies;
     copies.reserve(rects.size());
@@ -123,18 +125,6 @@ Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp>
     const std::vector<const gl::Texture2D*> targets = planes.targets();
     for (std::size_t p = 0; p < targets.size(); ++p) copy_.run(scratch_[p], *targets[p], copies);
     return {};
-}
-
-Result<std::vector<StampParams>> Deformer::packed(std::span<const DeformStamp> stamps, gl::StageStats& stats) {
-    std::vector<StampParams> list;
-    list.reserve(stamps.size());
-    for (const DeformStamp& stamp : stamps) {
-        const Result<std::uint32_t> place = atlas_.place(*stamp.prepared.shape, stats.bytes);
-        if (!place) return place.error();
-        list.push_back(stamp.prepared.params);
-        list.back().table = *place;
-    }
-    return list;
 }
 
 Result<void> Deformer::upload_lists(std::span<const StampParams> list, const StampBatch& batch, gl::StageStats& stats) {

@@ -66,10 +66,9 @@ private:
     };
     Deformer(gl::Device& device, gl::ShaderLibrary& shaders, gl::TextureCopy copy);
 
-    Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, HeightPlanes& planes,
-                     gl::StageStats& stats);
-    /// The stamps as the shader reads them, their weights in the atlas.
-    Result<std::vector<StampParams>> packed(std::span<const DeformStamp> stamps, gl::StageStats& stats);
+    /// `list`: the stamps of the batch as the shader reads them, their weights in the atlas.
+    Result<void> run(const StampBatch& batch, std::span<const DeformStamp> stamps, std::span<const StampParams> list,
+                     HeightPlanes& planes, gl::StageStats& stats);
     Result<void> upload_lists(std::span<const StampParams> list, const StampBatch& batch, gl::StageStats& stats);
     Result<void> reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes);
     Result<gl::TexelPass*> pass_for(const Variant& variant, gl::StageStats& stats);

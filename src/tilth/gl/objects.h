@@ -96,8 +96,6 @@ public:
     void upload(int level, const Rect& rect, const Buffer& source, std::size_t offset_bytes, int row_texels = 0);
     /// Reads a whole level in the transfer layout. Waits for the GPU: tests, dumps and saves at rest only.
     void read(int level, void* texels) const;
-    /// Computes all levels above 0 by the driver's filter.
-    void generate_mipmaps();
     void set_filter(Filter filter);
     /// Binds to `unit`, without a sampler object: the texture's own filter and wrap hold.
     void bind(int unit) const;
@@ -257,8 +255,6 @@ public:
     void set(Uniform u, float x, float y, float z) const;
     void set(Uniform u, float x, float y, float z, float w) const;
     void set_ivec4s(Uniform u, std::span<const std::int32_t> values) const;  ///< an array; four values each
-    void set_vec4s(Uniform u, std::span<const float> values) const;
-    void set_mat3(Uniform u, const float* column_major) const;
     void set_mat4(Uniform u, const float* column_major) const;
 
 private:

@@ -64,12 +64,6 @@ void Program::set(Uniform u, float x, float y, float z, float w) const {
 void Program::set_ivec4s(Uniform u, std::span<const std::int32_t> values) const {
     handle_.gl().Uniform4iv(location(u), static_cast<GLsizei>(values.size() / 4), values.data());
 }
-void Program::set_vec4s(Uniform u, std::span<const float> values) const {
-    handle_.gl().Uniform4fv(location(u), static_cast<GLsizei>(values.size() / 4), values.data());
-}
-void Program::set_mat3(Uniform u, const float* column_major) const {
-    handle_.gl().UniformMatrix3fv(location(u), 1, GL_FALSE, column_major);
-}
 void Program::set_mat4(Uniform u, const float* column_major) const {
     handle_.gl().UniformMatrix4fv(location(u), 1, GL_FALSE, column_major);
 }

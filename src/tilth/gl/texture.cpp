@@ -133,13 +133,6 @@ void Texture2D::read(int level, void* texels) const {
     gl.GetTexImage(GL_TEXTURE_2D, level, format.layout, format.type, texels);
 }
 
-void Texture2D::generate_mipmaps() {
-    const Api& gl = handle_.gl();
-    gl.ActiveTexture(GL_TEXTURE0);
-    gl.BindTexture(GL_TEXTURE_2D, id());
-    gl.GenerateMipmap(GL_TEXTURE_2D);
-}
-
 void Texture2D::set_filter(Filter filter) {
     const Api& gl = handle_.gl();
     spec_.filter = filter;
