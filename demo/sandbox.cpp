@@ -26,6 +26,8 @@ Scenario default_scenario(const Arguments& arguments) {
                                : std::filesystem::exists(real) ? real
                                                                : "ridged:seed=7,size=1025,relief=200";
     scenario.view.fog_per_m = 0.0004;
+    scenario.terrain.settings.ground.texels_per_post =
+        30;  // 1/30 m, as in the reference configuration: boots have soles
     return scenario;
 }
 

@@ -1,12 +1,17 @@
 #include "demo/player/player.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <ostream>
-#include <set>
 #include <stdexcept>
+#include <thread>
+#include <tuple>
 
+#include "demo/overlay/residency_map.h"
 #include "demo/player/dump.h"
 #include "demo/player/expectations.h"
+#include "demo/player/region.h"
 #include "demo/player/walk_plan.h"
 #include "tilth/ground/path.h"
 #include "tilth/ground/random_stamps.h"
@@ -18,13 +23,15 @@ namespace {
 /// Stamps that are queued before they are applied without waiting for a frame: 64 bytes each, so at most 64 MiB.
 constexpr std::int64_t kMaxQueuedStamps = 1 << 20;
 
-std::uint64_t tiles_with_detail(const Ground& ground) {
-    const std::int32_t pages_a_tile = ground.settings().tile_size / kPageTexels;
-    std::set<PageIndex> tiles;
-    for (const auto& [page, codes] : ground.detail().pages())
-        tiles.insert({page.x >= 0 ? page.x / pages_a_tile : (page.x + 1) / pages_a_tile - 1,
-                      page.z >= 0 ? page.z / pages_a_tile : (page.z + 1) / pages_a_tile - 1});
-    return tiles.size();
+/// How long a screenshot waits for tiles before its step fails. Nine tiles from memory take a second on one core.
+constexpr std::chrono::seconds kMostWaitForTiles{30};
+
+constexpr std::size_t kMostTroublesTold = 3;
+
+std::uint64_t resident_tiles(const Terrain& terrain) {
+    const std::vector<TileReport> tiles = terrain.tiles();
+    return static_cast<std::uint64_t>(std::count_if(
+        tiles.begin(), tiles.end(), [](const TileReport& tile) { return tile.state == TileState::Resident; }));
 }
 
 }  // namespace
@@ -57,15 +64,38 @@ void Player::attempt(int number, int line, const std::function<Outcome()>& actio
     } catch (const std::exception& error) {
         failed = error.what();
     }
+    if (const Outcome trouble = tile_trouble(); trouble && (!failed || failed->find(*trouble) == std::string::npos))
+        failed = failed ? *failed + "; " + *trouble : *trouble;
     if (!failed) return;
     const std::string message = text(scenario_.file.string(), ":", line, ": step ", number, ": ", *failed);
     failures_.push_back(message);
     errors_ << message << std::endl;
 }
 
-void Player::settle() {
+Player::Outcome Player::drained() {
     queued_ = 0;
-    if (const auto drained = terrain_.drain(); !drained) throw std::runtime_error(drained.error().message);
+    if (const auto done = terrain_.drain(); !done) return done.error().message;
+    return {};
+}
+
+void Player::settle() {
+    if (const Outcome failed = drained()) throw std::runtime_error(*failed);
+}
+
+Player::Outcome Player::tile_trouble() {
+    const std::vector<Error> errors = terrain_.take_errors();
+    if (errors.empty()) return {};
+    std::string told;
+    for (std::size_t i = 0; i < std::min(errors.size(), kMostTroublesTold); ++i)
+        told += (told.empty() ? "" : "; ") + errors[i].message;
+    if (errors.size() > kMostTroublesTold) told += text("; and ", errors.size() - kMostTroublesTold, " more");
+    return told;
+}
+
+std::vector<WorldPos> Player::viewers() const {
+    std::vector<WorldPos> all{{viewer_.eye.x, viewer_.eye.z}};
+    all.insert(all.end(), further_viewers_.begin(), further_viewers_.end());
+    return all;
 }
 
 double Player::ground_m(WorldPos at) {
@@ -81,7 +111,9 @@ std::string Player::output_path(const std::string& file) const {
 }
 
 View Player::view_now() const {
-    const double above_m = viewer_.eye.y - terrain_.height_m({viewer_.eye.x, viewer_.eye.z});
+    // For the near plane the coarse ground is near enough, and it is there without waiting, whatever is resident.
+    const double above_m =
+        viewer_.eye.y - terrain_.ground().height_m({viewer_.eye.x, viewer_.eye.z}, MapSelect::Coarse);
     return view_of(viewer_, scenario_.view, above_m);
 }
 
@@ -95,18 +127,43 @@ Player::Outcome Player::queue(StampRequest request, std::int64_t repeat) {
     return {};
 }
 
-Player::Outcome Player::draw_frame() {
+Player::Outcome Player::bring_tiles() {
+    // Within a bound of memory there may be no room for more than what the picture shows.
+    const bool bounded = scenario_.terrain.settings.tiles.most_gpu_bytes > 0;
+    const Interest needed = bounded ? Interest::Active : Interest::Loaded;
+    const auto given_up = std::chrono::steady_clock::now() + kMostWaitForTiles;
+    for (;;) {
+        terrain_.set_viewers(viewers());
+        if (const auto updated = terrain_.update(0); !updated) return updated.error().message;
+        if (Outcome failed = drained()) return failed;
+        const std::vector<TileReport> tiles = terrain_.tiles();
+        const auto coming = std::find_if(tiles.begin(), tiles.end(), [&](const TileReport& tile) {
+            return tile.interest >= needed && tile.state != TileState::Resident;
+        });
+        if (coming == tiles.end()) return {};
+        if (Outcome trouble = tile_trouble()) return trouble;
+        if (std::chrono::steady_clock::now() > given_up)
+            return text("tile (", coming->tile.x, ", ", coming->tile.z,
+                        ") does not come; tile_memory may be too small");
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));  // the disk worker's turn
+    }
+}
+
+Player::Outcome Player::draw_frame(bool overlay) {
     queued_ = 0;
     if (screen_ == nullptr) return {};
-    const auto drawn = screen_->draw(terrain_, view_now(), shading_, scenario_.view.clear);
+    std::vector<ColouredRect> map;
+    if (overlay) map = residency_map(terrain_, viewers(), scenario_.view.width, scenario_.view.height);
+    const auto drawn = screen_->draw(terrain_, view_now(), shading_, scenario_.view.clear, map);
     if (!drawn) return drawn.error().message;
     return {};
 }
 
 Player::Outcome Player::timed_frame(double dt_s) {
     const Stopwatch watch;
+    terrain_.set_viewers(viewers());
     const auto updated = terrain_.update(dt_s);
-    Outcome failed = draw_frame();
+    Outcome failed = draw_frame(false);
     if (!updated) failed = updated.error().message;
     watch.stop(frames_);
     return failed;
@@ -165,25 +222,37 @@ Player::Outcome Player::run(const WalkStep& step) {
         if (!along) return along.error().message;
         prints = std::move(*along);
     }
-    settle();
-    Outcome failed;
+    Outcome failed = drained();  // a tile that cannot be had stops nobody
+    std::vector<PostPos> stand;
+    for (const WorldPos& at : viewers()) stand.push_back(terrain_.ground().map(MapKind::Detail).grid.posts(at));
+    const LeadWatch leads(terrain_.tile_grid(), scenario_.terrain.settings.tiles.band, stand, step.speed_m_per_s);
+    std::ignore = terrain_.take_arrivals();  // of earlier steps
     std::size_t printed = 0;
     for (std::int64_t frame = 1; frame <= plan.frames; ++frame) {
         const WorldPos at = plan.position(frame);
         // What the CPU knows of the ground: with the GPU executor without the prints of this walk, but without waiting.
-        viewer_.eye = {at.x, terrain_.height_m(at) + step.above_ground_m, at.z};
+        viewer_.eye = {at.x, terrain_.ground().height_m(at) + step.above_ground_m, at.z};
         const std::size_t due = std::min(prints.size(), prints_until(plan.distance_m(frame), step.stride_m));
         for (; printed < due; ++printed)
             if (Outcome wrong = queue(prints[printed], step.print->repeat); wrong && !failed) failed = wrong;
         if (Outcome wrong = timed_frame(step.dt_s); wrong && !failed) failed = wrong;
+        walk_frames_.cpu_ms.push_back(frames_.cpu_ms.back());
+        walk_frames_.wall_ms.push_back(frames_.wall_ms.back());
+        leads.frame(terrain_.last_frame().cache, terrain_.take_arrivals(), walk_);
     }
-    viewer_.eye.y = ground_m(step.to) + step.above_ground_m;
+    if (Outcome wrong = drained(); wrong && !failed) failed = wrong;
+    viewer_.eye.y = terrain_.height_m(step.to) + step.above_ground_m;
     return failed;
 }
 
 Player::Outcome Player::run(const TeleportStep& step) {
     const double above_m = viewer_.eye.y - ground_m({viewer_.eye.x, viewer_.eye.z});
     viewer_.eye = {step.to.x, ground_m(step.to) + above_m, step.to.z};
+    return {};
+}
+
+Player::Outcome Player::run(const ViewersStep& step) {
+    further_viewers_ = step.at;
     return {};
 }
 
@@ -197,18 +266,34 @@ Player::Outcome Player::run(const WaitStep& step) {
 
 Player::Outcome Player::run(const ScreenshotStep& step) {
     if (screen_ == nullptr) return "screenshot: there is no GL context to draw with";
-    settle();
-    if (const auto updated = terrain_.update(0); !updated) return updated.error().message;
-    if (Outcome failed = draw_frame()) return failed;
+    const Outcome trouble = bring_tiles();  // the picture is made all the same
+    if (Outcome failed = draw_frame(step.overlay)) return failed;
     if (const auto written = screen_->write_png(output_path(step.file)); !written) return written.error().message;
-    if (step.depth_file.empty()) return {};
+    if (step.depth_file.empty()) return trouble;
     if (const auto written = screen_->write_depth(output_path(step.depth_file), view_now()); !written)
         return written.error().message;
+    return trouble;
+}
+
+Player::Outcome Player::bring_codes(const DumpStep& step) {
+    if (step.map != MapKind::Detail) return {};
+    const GridSpec& texels = terrain_.ground().map(MapKind::Detail).grid;
+    const TileGrid grid = terrain_.tile_grid();
+    const TexelRect read = expanded(texels_in(texels, step.region), 1);  // slopes read the next texel
+    const TileWindow window = tiles_of(grid, read);
+    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
+        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) {
+            // A query brings its tile, which stays until the next frame.
+            const WorldPos inside = texels.world(intersection(grid.interior({x, z}), grid.map).min);
+            if (std::isnan(terrain_.height_m(inside, MapSelect::Detail)))
+                return text("dump: tile (", x, ", ", z, ") cannot be had from the store");
+        }
     return {};
 }
 
 Player::Outcome Player::run(const DumpStep& step) {
     settle();
+    if (Outcome failed = bring_codes(step)) return failed;
     const auto written = write_dump(terrain_.ground(), step, output_path(step.file));
     if (!written) return "dump: " + written.error().message;
     return {};
@@ -226,7 +311,10 @@ Player::Outcome Player::run(const ExpectStep& step) {
     settle();
     if (const auto* height = std::get_if<ExpectHeight>(&step.what))
         return unmet(*height, terrain_.height_m(height->at));
-    if (const auto* hash = std::get_if<ExpectHash>(&step.what)) return unmet(*hash, terrain_.hash());
+    if (const auto* hash = std::get_if<ExpectHash>(&step.what)) {
+        const auto is = terrain_.hash();
+        return is ? unmet(*hash, *is) : "expect: " + is.error().message;
+    }
     const auto& stat = std::get<ExpectStat>(step.what);
     return unmet(stat, to_json(report(stat.path.starts_with("hash"))));
 }
@@ -238,13 +326,18 @@ RunReport Player::report(bool with_hash) {
     r.executor_reason = terrain_.executor_reason();
     if (with_hash) {
         settle();
-        r.hash = terrain_.hash();
+        if (const auto hash = terrain_.hash())
+            r.hash = *hash;
+        else
+            r.failures.push_back("hash: " + hash.error().message);
     }
-    r.frames = frames_;
+    r.frames = frames_, r.walk_frames = walk_frames_;
     r.total = terrain_.total(), r.last_frame = terrain_.last_frame();
-    r.tiles = tiles_with_detail(terrain_.ground());
+    r.walk = walk_;
+    r.tiles = resident_tiles(terrain_), r.tile_bytes = terrain_.tile_gpu_bytes();
     r.gpu_bytes = terrain_.gpu_bytes(), r.cpu_bytes = terrain_.cpu_bytes();
-    r.queries = queries_, r.failures = failures_;
+    r.queries = queries_;
+    r.failures.insert(r.failures.begin(), failures_.begin(), failures_.end());
     return r;
 }
 

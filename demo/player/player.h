@@ -11,6 +11,7 @@
 #include "demo/player/viewer.h"
 #include "demo/scenario/scenario.h"
 #include "demo/stats/run_report.h"
+#include "demo/stats/walk_leads.h"
 #include "tilth/terrain.h"
 
 namespace tilth::demo {
@@ -24,7 +25,9 @@ struct PlayerSettings {
 /// Plays steps. A step that fails is written to `errors` with its number and line, remembered, and the run goes on.
 ///
 /// Stamps are queued and enter the ground with the next frame, or before any step that looks at the ground. Frames of
-/// `walk` and `wait` are timed; what looks (query, dump, expect, screenshot) drains first, outside their times.
+/// `walk` and `wait` are timed; what looks (query, dump, expect, screenshot) drains first, outside their times. A
+/// screenshot also waits for the tiles about the viewers, so that it shows what is there and not how far loading came.
+/// A tile that the store refuses makes the step fail during which it was told.
 /// Without a screen frames are not drawn and screenshots fail. Thread: the one that owns the context.
 class Player {
 public:
@@ -46,6 +49,7 @@ private:
     Outcome run(const RandomStep& step);
     Outcome run(const WalkStep& step);
     Outcome run(const TeleportStep& step);
+    Outcome run(const ViewersStep& step);
     Outcome run(const WaitStep& step);
     Outcome run(const ScreenshotStep& step);
     Outcome run(const DumpStep& step);
@@ -54,10 +58,21 @@ private:
 
     Outcome queue(StampRequest request, std::int64_t repeat);
     Outcome timed_frame(double dt_s);
-    Outcome draw_frame();
+    /// `overlay`: with the residency map.
+    Outcome draw_frame(bool overlay);
+    /// Drains, and waits until the tiles about the viewers are resident.
+    Outcome bring_tiles();
+    /// The detail codes that a dump reads, into memory.
+    Outcome bring_codes(const DumpStep& step);
+    /// What the store could not do since the last call; empty: nothing.
+    Outcome tile_trouble();
+    /// Places of the camera's viewer and of the further ones.
+    [[nodiscard]] std::vector<WorldPos> viewers() const;
     /// Runs a step's action; a failure, returned or thrown, is reported and remembered.
     void attempt(int number, int line, const std::function<Outcome()>& action);
-    /// Everything queued enters the ground. Throws what the library could not do.
+    /// Everything queued enters the ground. Returns what the library could not do.
+    Outcome drained();
+    /// The same; throws it.
     void settle();
     [[nodiscard]] double ground_m(WorldPos at);
     [[nodiscard]] std::string output_path(const std::string& file) const;
@@ -70,8 +85,10 @@ private:
     std::ostream& errors_;
     Shading shading_;
     Viewer viewer_;
-    std::int64_t queued_ = 0;  ///< stamps since the last frame or drain
-    FrameTimes frames_;
+    std::vector<WorldPos> further_viewers_;
+    std::int64_t queued_ = 0;          ///< stamps since the last frame or drain
+    FrameTimes frames_, walk_frames_;  ///< of walks and waits; of walks alone
+    WalkStats walk_;
     Json queries_ = Json::array();
     std::vector<std::string> failures_;
 };

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "demo/overlay/paint.h"
 #include "tilth/io/png.h"
 
 namespace tilth::demo {
@@ -22,9 +23,11 @@ Result<Screen> Screen::create(gl::GetProc get_proc, const ViewPart& part) {
     return Screen(std::move(*device), std::move(*target));
 }
 
-Result<void> Screen::draw(Terrain& terrain, const View& view, const Shading& shading, const Vec3f& clear) {
+Result<void> Screen::draw(Terrain& terrain, const View& view, const Shading& shading, const Vec3f& clear,
+                          std::span<const ColouredRect> overlay) {
     target_.begin(clear);
     const Result<void> drawn = terrain.draw(view, shading);
+    paint(*device_, overlay, target_.height());
     target_.finish();
     return drawn;
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <span>
 
 #include "demo/gl/offscreen_target.h"
+#include "demo/overlay/residency_map.h"
 #include "demo/player/viewer.h"
 #include "tilth/terrain.h"
 
@@ -14,8 +16,9 @@ class Screen {
 public:
     static Result<Screen> create(gl::GetProc get_proc, const ViewPart& part);
 
-    /// Clears and draws. Waits for the GPU, so that a frame's time is its own.
-    Result<void> draw(Terrain& terrain, const View& view, const Shading& shading, const Vec3f& clear);
+    /// Clears and draws, and paints `overlay` over it. Waits for the GPU, so that a frame's time is its own.
+    Result<void> draw(Terrain& terrain, const View& view, const Shading& shading, const Vec3f& clear,
+                      std::span<const ColouredRect> overlay = {});
     /// 8-bit RGB PNG of what was drawn last.
     Result<void> write_png(const std::string& path) const;
     /// Distance from the eye's plane in metres, as EXR; infinity where nothing was drawn. `view` is the one drawn with.

@@ -8,9 +8,12 @@ namespace tilth::demo {
 
 namespace {
 
-const std::vector<std::string> kStepKeys{"camera",     "walk", "stamp",  "path",   "random",   "wait",
-                                         "screenshot", "dump", "query",  "expect", "teleport", "wave",
-                                         "shock",      "save", "reopen", "crash",  "undo",     "redo"};
+const std::vector<std::string> kStepKeys{"camera", "walk",   "stamp",  "path",     "random",  "wait", "screenshot",
+                                         "dump",   "query",  "expect", "teleport", "viewers", "wave", "shock",
+                                         "save",   "reopen", "crash",  "undo",     "redo"};
+
+/// Viewers beside the camera's own: each asks for up to nine tiles.
+constexpr std::size_t kMostViewers = 64;
 
 /// Steps of the form that later builds will have.
 struct Later {
@@ -165,6 +168,7 @@ ScreenshotStep read_screenshot(TableReader& step_table) {
     step.depth_file = step_table.string("depth", "a file name that ends in .exr").value_or("");
     if (!step.depth_file.empty() && !ends_with_one_of(step.depth_file, {".exr"}))
         step_table.wrong("depth", "does not end in .exr; allowed: a file name that ends in .exr");
+    step.overlay = step_table.boolean("overlay").value_or(false);
     return step;
 }
 
@@ -281,9 +285,13 @@ std::optional<std::string> step_key(TableReader& reader, const toml::table& tabl
         return {};
     }
     if (!found.empty()) return found.front();
-    if (table.contains("depth"))
-        reader.wrong("depth", "stands only with screenshot; allowed: screenshot = \"a.png\", depth = \"a.exr\"");
-    else if (table.empty())
+    for (const char* key : {"depth", "overlay"})
+        if (table.contains(key)) {
+            reader.wrong(key, text("stands only with screenshot; allowed: screenshot = \"a.png\", ", key, " = ",
+                                   key == std::string_view("depth") ? "\"a.exr\"" : "true"));
+            return {};
+        }
+    if (table.empty())
         reader.problems().add(reader.line(), "step", text("is empty; allowed: ", one_of(kStepKeys)));
     else
         reader.problems().add(static_cast<int>(table.begin()->first.source().begin.line),
@@ -312,6 +320,11 @@ std::optional<Step> read_step(const toml::table& table, int number, int line, co
     }
     if (*key == "teleport") {
         step.action = TeleportStep{outer.required_position("teleport")};
+        outer.finish();
+        return step;
+    }
+    if (*key == "viewers") {
+        step.action = ViewersStep{outer.positions("viewers", 0, kMostViewers).value_or(std::vector<WorldPos>{})};
         outer.finish();
         return step;
     }

@@ -52,12 +52,32 @@ void read_ground(TableReader& reader, GroundSettings& ground) {
         ground.precision = *bits == 0 ? HeightPrecision::bits32 : HeightPrecision::bits16;
 }
 
+void read_budget(TableReader& reader, BudgetSettings& budget) {
+    const toml::table* table = reader.table("budget", "a table { target_ms, most_ms, most_bytes }");
+    if (table == nullptr) return;
+    TableReader inner(*table, "budget", reader.line_of("budget"), reader.problems());
+    const Range ms{0, 1e6, true, "milliseconds above 0, at most 1e6"};
+    budget.frame_target_ms = inner.number("target_ms", ms).value_or(budget.frame_target_ms);
+    budget.most_ms = inner.number("most_ms", ms).value_or(budget.most_ms);
+    if (const auto bytes = inner.integer("most_bytes", 1, std::int64_t{1} << 40))
+        budget.most_bytes = static_cast<std::uint64_t>(*bytes);
+    inner.finish();
+}
+
+void read_tiles(TableReader& reader, TileSettings& tiles) {
+    tiles.band = reader.number("band", {0.02, 0.9, false, "a share of a tile from 0.02 to 0.9"}).value_or(tiles.band);
+    read_budget(reader, tiles.budget);
+    if (const auto bytes = reader.integer("tile_memory", 1, std::int64_t{1} << 50))
+        tiles.most_gpu_bytes = static_cast<std::uint64_t>(*bytes);
+}
+
 }  // namespace
 
 void read_terrain(TableReader& reader, const std::filesystem::path& folder, TerrainPart& terrain) {
     terrain.line = reader.line();
     read_heights(reader, folder, terrain);
     read_ground(reader, terrain.settings.ground);
+    read_tiles(reader, terrain.settings.tiles);
     if (const auto executor = reader.choice("executor", kExecutorNames))
         terrain.settings.executor = static_cast<ExecutorKind>(*executor);
     if (const auto slopes = reader.choice("slopes", kSlopeNames))
@@ -66,7 +86,7 @@ void read_terrain(TableReader& reader, const std::filesystem::path& folder, Terr
     reader.not_yet("store", "worlds on disk");
     reader.not_yet("flush", "a journal");
     for (const char* key : {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post",
-                            "tile_size", "precision", "executor", "slopes"})
+                            "tile_size", "precision", "executor", "slopes", "band", "budget", "tile_memory"})
         if (reader.has(key)) terrain.lines[key] = reader.line_of(key);
     reader.finish();
 }

@@ -21,7 +21,7 @@ namespace tilth::demo {
 /// [terrain]: the world and who computes it.
 struct TerrainPart {
     std::string heights;               ///< a path (already joined with the scenario's folder) or "word:key=value"
-    TerrainSettings settings;          ///< everything else: ground, executor, slopes, clipmap
+    TerrainSettings settings;          ///< everything else: ground, tiles, executor, slopes, clipmap
     std::map<std::string, int> lines;  ///< line of every key that was given, for errors found later
     int line = 1;                      ///< of the table itself
 };
@@ -80,6 +80,11 @@ struct TeleportStep {
     WorldPos to;
 };
 
+/// Further viewers beside the camera's own, from now on; they stay where they are.
+struct ViewersStep {
+    std::vector<WorldPos> at;
+};
+
 struct WaitStep {
     std::int64_t frames = 0;
     std::optional<double> seconds;       ///< in place of `frames`: until the steps add up to it
@@ -88,6 +93,7 @@ struct WaitStep {
 
 struct ScreenshotStep {
     std::string file, depth_file;  ///< depth is empty if not asked for
+    bool overlay = false;          ///< with the residency map in the picture's corner
 };
 
 enum class DumpWhat { Height, Code, Slope };
@@ -123,8 +129,8 @@ struct ExpectStep {
 struct Step {
     int number = 0;  ///< from 1
     int line = 0;    ///< in the file
-    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, WaitStep, ScreenshotStep,
-                 DumpStep, QueryStep, ExpectStep>
+    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, ViewersStep, WaitStep,
+                 ScreenshotStep, DumpStep, QueryStep, ExpectStep>
         action;
 };
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "demo/stats/frame_times.h"
+#include "demo/stats/walk_leads.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/ground/ground.h"
 
@@ -22,14 +23,19 @@ struct RunReport {
     std::string route, renderer, gl_version;  ///< "egl" | "osmesa" | "glfw", GL_RENDERER, "4.5"
     std::string executor, executor_reason;    ///< "gpu" | "cpu": the one that ran, and why
     StateHash hash;
-    FrameTimes frames;  ///< of `walk` and `wait`; screenshots are not timed
+    FrameTimes frames;       ///< of `walk` and `wait`; screenshots are not timed
+    FrameTimes walk_frames;  ///< of them, those of `walk`
     gl::FrameStats total, last_frame;
-    std::uint64_t tiles = 0, gpu_bytes = 0, cpu_bytes = 0;
+    WalkStats walk;
+    std::uint64_t tiles = 0,
+                  tile_bytes = 0;  ///< resident detail tiles, and bytes of the textures of all that have some
+    std::uint64_t gpu_bytes = 0, cpu_bytes = 0;
     Json queries = Json::array();
     std::vector<std::string> failures;
 };
 
-/// All keys of SCENARIO.md. Stages that this build does not have (cache, effects) are zeros.
+/// All keys of SCENARIO.md. Effects, which this build does not have, are zeros. What was not measured (a lead when no
+/// tile had to come, a frame when none was timed) is null.
 Json to_json(const RunReport& report);
 
 /// The value at a path like "last_frame.deform.passes" or "queries.0.1"; nothing if there is none.

@@ -31,6 +31,9 @@ Commands commands_of(const Input& input, double speed_m_per_s) {
     out.drag = input.left_down && !input.left_pressed;
     for (const Key key : input.pressed) {
         out.help |= key == Key::F1;
+        out.overlay |= key == Key::F2;
+        out.teleport |= key == Key::T;
+        out.walk |= key == Key::G;
         out.screenshot |= key == Key::F12;
         out.quit |= key == Key::Escape;
     }
@@ -55,12 +58,13 @@ Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_
     return brush;
 }
 
-StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m) {
+StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m, double coarse_from_m) {
+    const bool coarse = brush.radius_m >= coarse_from_m;
     StampRequest request{.shape = {},
                          .centre = centre,
                          .radius_m = brush.radius_m,
                          .amplitude_m = brush.digs ? -brush.depth_m : brush.depth_m,
-                         .map = MapChoice::Coarse,
+                         .map = coarse ? MapChoice::Coarse : MapChoice::Detail,
                          .rule = brush.rule,
                          .level_m = {},
                          .rotation_rad = 0,
@@ -68,7 +72,7 @@ StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m) {
                          .key = {}};
     if (brush.rule == StampRule::Smooth) request.amplitude_m = 0.5;
     if (brush.rule == StampRule::Set) request.amplitude_m = 0;
-    if (brush.rule == StampRule::Min || brush.rule == StampRule::Max || brush.rule == StampRule::Set)
+    if (coarse && (brush.rule == StampRule::Min || brush.rule == StampRule::Max || brush.rule == StampRule::Set))
         request.level_m = ground_m;
     return request;
 }
@@ -77,6 +81,10 @@ std::string help_text() {
     return "W A S D move, E Q up and down, Shift faster, right button looks around\n"
            "left button stamps, dragging lays a path; wheel changes the radius\n"
            "1-9 or [ ] choose the stamp, X digs or piles up, R changes the rule\n"
+           "G walks and leaves boot prints, or flies again; T teleports to the cursor (off the ground: to the far "
+           "corner)\n"
+           "F2 residency map: yellow loading, orange uploading, green resident, framed drawn, red dot dirty, violet "
+           "saving\n"
            "F12 screenshot, F1 this help, Esc leaves\n";
 }
 

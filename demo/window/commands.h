@@ -32,7 +32,10 @@ enum class Key {
     BracketRight,
     X,
     R,
+    T,
+    G,
     F1,
+    F2,
     F12,
     Escape,  // pressed
 };
@@ -60,8 +63,11 @@ struct Brush {
 struct Commands {
     Vec3d move;  ///< right, up, forward of the camera, metres
     double yaw_rad = 0, pitch_rad = 0;
-    bool stamp = false;  ///< a click: one stamp at the cursor
-    bool drag = false;   ///< the button is held: the path goes on to the cursor
+    bool stamp = false;     ///< a click: one stamp at the cursor
+    bool drag = false;      ///< the button is held: the path goes on to the cursor
+    bool teleport = false;  ///< to the cursor
+    bool walk = false;      ///< walking on, or flying again
+    bool overlay = false;   ///< the residency map, on or off
     bool help = false, screenshot = false, quit = false;
 };
 
@@ -72,8 +78,10 @@ Commands commands_of(const Input& input, double speed_m_per_s);
 Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_radius_m, double most_radius_m);
 
 /// The stamp that a brush leaves where the ground was `ground_m` high under the cursor: `min` and `max` cut or fill to
-/// a level, `set` makes it flat, `smooth` takes half the bumps away. The shape's number is the caller's to set.
-StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m);
+/// a level, `set` makes it flat, `smooth` takes half the bumps away. Brushes of less than `coarse_from_m` radius work
+/// on the detail map, where levels are offsets from undisturbed ground: theirs is 0. The shape's number is the caller's
+/// to set.
+StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m, double coarse_from_m);
 
 /// The keys, for people.
 std::string help_text();

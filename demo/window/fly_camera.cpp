@@ -19,6 +19,12 @@ Vec3d normalised(const Vec3d& v) {
     return {v.x / length, v.y / length, v.z / length};
 }
 
+FlyCamera turned(FlyCamera camera, const Commands& commands) {
+    camera.yaw_rad += commands.yaw_rad;
+    camera.pitch_rad = std::clamp(camera.pitch_rad + commands.pitch_rad, -kMostPitch, kMostPitch);
+    return camera;
+}
+
 }  // namespace
 
 Vec3d FlyCamera::forward() const {
@@ -33,13 +39,26 @@ FlyCamera FlyCamera::looking(const Vec3d& eye, const Vec3d& forward) {
 }
 
 FlyCamera moved(FlyCamera camera, const Commands& commands) {
-    camera.yaw_rad += commands.yaw_rad;
-    camera.pitch_rad = std::clamp(camera.pitch_rad + commands.pitch_rad, -kMostPitch, kMostPitch);
+    camera = turned(camera, commands);
     const Vec3d f = camera.forward(), r = camera.right();
     camera.eye.x += r.x * commands.move.x + f.x * commands.move.z;
     camera.eye.y += commands.move.y + f.y * commands.move.z;
     camera.eye.z += r.z * commands.move.x + f.z * commands.move.z;
     return camera;
+}
+
+FlyCamera walked(FlyCamera camera, const Commands& commands) {
+    camera = turned(camera, commands);
+    const Vec3d r = camera.right();
+    camera.eye.x += r.x * commands.move.x + r.z * commands.move.z;  // ahead on the ground is (r.z, -r.x)
+    camera.eye.z += r.z * commands.move.x - r.x * commands.move.z;
+    return camera;
+}
+
+WorldPos far_corner(const GridSpec& grid, WorldPos at) {
+    const WorldPos last = grid.world({grid.width - 1, grid.depth - 1});
+    const WorldPos middle{(grid.origin.x + last.x) / 2, (grid.origin.z + last.z) / 2};
+    return {at.x < middle.x ? last.x : grid.origin.x, at.z < middle.z ? last.z : grid.origin.z};
 }
 
 Vec3d ray_through(const View& view, const Vec3d& right, double pixel_x, double pixel_y) {

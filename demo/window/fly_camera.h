@@ -19,6 +19,12 @@ struct FlyCamera {
 /// Moved and turned by one frame's commands. Up and down are the world's.
 FlyCamera moved(FlyCamera camera, const Commands& commands);
 
+/// The same on foot: the eye keeps its height, and looking down slows nobody.
+FlyCamera walked(FlyCamera camera, const Commands& commands);
+
+/// The corner of a map that is farthest from `at`.
+WorldPos far_corner(const GridSpec& grid, WorldPos at);
+
 /// Direction of the ray through a pixel of the view, not normalised. (0, 0) is the picture's top left corner.
 Vec3d ray_through(const View& view, const Vec3d& right, double pixel_x, double pixel_y);
 

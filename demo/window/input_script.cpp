@@ -31,6 +31,22 @@ Input scripted_input(long frame) {
         case 8:
             input.pressed = {Key::F12};
             break;
+        case 9:
+            input.pressed = {Key::F2, Key::G};
+            break;
+        case 10:
+        case 11:
+            input.held = {Key::W, Key::Shift};
+            break;
+        case 12:
+            input.pressed = {Key::F12};
+            break;
+        case 13:
+            input.pressed = {Key::T};
+            break;
+        case 14:
+            input.pressed = {Key::G};
+            break;
         default:
             break;
     }

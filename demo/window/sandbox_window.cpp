@@ -15,9 +15,11 @@
 #include <utility>
 #include <vector>
 
+#include "demo/overlay/paint.h"
 #include "demo/player/screen.h"
 #include "demo/window/commands.h"
 #include "demo/window/fly_camera.h"
+#include "demo/window/foot_steps.h"
 #include "demo/window/input_script.h"
 #include "demo/window/path_brush.h"
 #include "tilth/gl/api.h"
@@ -47,7 +49,10 @@ constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
                                          {GLFW_KEY_RIGHT_BRACKET, Key::BracketRight},
                                          {GLFW_KEY_X, Key::X},
                                          {GLFW_KEY_R, Key::R},
+                                         {GLFW_KEY_T, Key::T},
+                                         {GLFW_KEY_G, Key::G},
                                          {GLFW_KEY_F1, Key::F1},
+                                         {GLFW_KEY_F2, Key::F2},
                                          {GLFW_KEY_F12, Key::F12},
                                          {GLFW_KEY_ESCAPE, Key::Escape}};
 
@@ -108,7 +113,7 @@ const char* rule_name(StampRule rule) {
     return kNames[static_cast<std::size_t>(rule)];
 }
 
-/// One running sandbox.
+/// One running sandbox. The detail map's tiles are kept about the camera.
 class Sandbox {
 public:
     Sandbox(GLFWwindow* window, Terrain& terrain, const WindowSettings& settings, std::unique_ptr<gl::Device> device)
@@ -119,7 +124,11 @@ public:
           poller_(window),
           camera_(FlyCamera::looking(settings.start.eye, settings.start.forward)) {
         const double spacing_m = terrain.ground().settings().spacing_m;
-        least_radius_m_ = 2 * spacing_m, most_radius_m_ = 500 * spacing_m;
+        // Smaller than two posts, the coarse map cannot show a stamp.
+        coarse_from_m_ = terrain.ground().settings().detail ? 2 * spacing_m : 0;
+        const double texel_m = terrain.ground().map(MapKind::Detail).grid.spacing_m;
+        least_radius_m_ = coarse_from_m_ > 0 ? 3 * texel_m : 2 * spacing_m, most_radius_m_ = 500 * spacing_m;
+        boots_ = boots_for(texel_m);
         brush_.radius_m = 8 * spacing_m, brush_.depth_m = 0.2 * brush_.radius_m;
         glfwGetFramebufferSize(window, &width_, &height_);
         pixel_x_ = width_ / 2.0, pixel_y_ = height_ / 2.0;
@@ -139,10 +148,15 @@ private:
         const Input input = read_input(frame);
         const Commands commands = commands_of(input, speed_m_per_s());
         brush_ = changed(brush_, input, terrain_.shapes().size(), least_radius_m_, most_radius_m_);
-        camera_ = moved(camera_, commands);
         glfwGetFramebufferSize(window_, &width_, &height_);
+        if (commands.walk) toggle_walk();
+        if (commands.overlay) shows_map_ = !shows_map_;
+        move(commands);
         aim();
+        if (commands.teleport) teleport();
         stamp(commands);
+        const WorldPos viewer = place();
+        terrain_.set_viewers({&viewer, 1});
         if (const auto updated = terrain_.update(input.dt_s); !updated) return updated.error();
         if (const auto drawn = draw(); !drawn) return drawn.error();
         if (commands.help) {
@@ -151,6 +165,8 @@ private:
         }
         if (commands.screenshot)
             if (const auto saved = save_screenshot(); !saved) std::cerr << saved.error().message << std::endl;
+        for (const Error& trouble : terrain_.take_errors()) std::cerr << trouble.message << std::endl;
+        std::ignore = terrain_.take_arrivals();
         if (commands.quit) glfwSetWindowShouldClose(window_, GLFW_TRUE);
         glfwSwapBuffers(window_);
         show_title(input.dt_s);
@@ -170,14 +186,50 @@ private:
 
     /// Walking pace near the ground, faster from high above.
     [[nodiscard]] double speed_m_per_s() const {
-        const double above_m = camera_.eye.y - terrain_.height_m({camera_.eye.x, camera_.eye.z});
+        const double above_m = camera_.eye.y - ground_m(place());
         return std::clamp(above_m, 4.0, 400.0);
+    }
+
+    /// As the CPU knows it: a frame waits neither for the GPU nor for a tile.
+    [[nodiscard]] double ground_m(WorldPos at) const { return terrain_.ground().height_m(at); }
+
+    [[nodiscard]] WorldPos place() const { return {camera_.eye.x, camera_.eye.z}; }
+
+    void toggle_walk() {
+        const auto boot = terrain_.shapes().find("boot");
+        if (!boot || coarse_from_m_ == 0) {
+            std::cerr << "G: there are no prints without a detail map and a stamp named boot\n";
+            return;
+        }
+        boot_ = *boot;
+        walks_ = !walks_;
+        steps_.stop();
+    }
+
+    void move(const Commands& commands) {
+        if (!walks_) {
+            camera_ = moved(camera_, commands);
+            return;
+        }
+        camera_ = walked(camera_, commands);
+        camera_.eye.y = ground_m(place()) + boots_.eye_m;
+        for (const StampRequest& print : steps_.step(place(), boots_, boot_))
+            if (const auto made = terrain_.stamp(print); !made) std::cerr << made.error().message << std::endl;
+    }
+
+    /// To where the cursor points, at the height above the ground that the viewer has now.
+    void teleport() {
+        const double above_m = camera_.eye.y - ground_m(place());
+        const WorldPos to = aim_ ? *aim_ : far_corner(terrain_.ground().map(MapKind::Coarse).grid, place());
+        camera_.eye = {to.x, ground_m(to) + above_m, to.z};
+        steps_.stop();
+        aim();
     }
 
     [[nodiscard]] View view() const {
         ViewPart part = settings_.view;
         part.width = width_, part.height = height_;
-        const double above_m = camera_.eye.y - terrain_.height_m({camera_.eye.x, camera_.eye.z});
+        const double above_m = camera_.eye.y - ground_m(place());
         return view_of({camera_.eye, camera_.forward()}, part, above_m);
     }
 
@@ -201,7 +253,7 @@ private:
         const auto due = commands.stamp ? path_.press(*aim_) : path_.drag(*aim_, brush_.radius_m / 2);
         if (commands.stamp) stroke_height_m_ = aim_height_m_;
         for (const WorldPos& at : due) {
-            StampRequest request = stamp_of(brush_, at, stroke_height_m_);
+            StampRequest request = stamp_of(brush_, at, stroke_height_m_, coarse_from_m_);
             request.shape = {static_cast<std::uint32_t>(brush_.shape)};
             if (const auto made = terrain_.stamp(request); !made) std::cerr << made.error().message << std::endl;
         }
@@ -216,9 +268,16 @@ private:
         gl.ClearColor(clear.x, clear.y, clear.z, 1);
         gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
         const Shading shading = shading_of(settings_.view, settings_.low_m, settings_.high_m);
-        if (!aim_) return terrain_.draw(view(), shading);
-        const BrushCursor cursor{.centre = *aim_, .radius_m = brush_.radius_m};
-        return terrain_.draw(view(), shading, &cursor);
+        const BrushCursor cursor{.centre = aim_.value_or(WorldPos{}), .radius_m = brush_.radius_m};
+        if (const auto drawn = terrain_.draw(view(), shading, aim_ ? &cursor : nullptr); !drawn) return drawn.error();
+        paint_map();
+        return {};
+    }
+
+    /// Into the framebuffer that is bound, where the user wants it.
+    void paint_map() {
+        const WorldPos viewer = place();
+        if (shows_map_) paint(*device_, residency_map(terrain_, {&viewer, 1}, width_, height_), height_);
     }
 
     /// The same view drawn off screen: a window's pixels may be covered by another.
@@ -230,6 +289,7 @@ private:
         target->begin(part.clear);
         const Shading shading = shading_of(part, settings_.low_m, settings_.high_m);
         if (const auto drawn = terrain_.draw(view(), shading); !drawn) return drawn.error();
+        paint_map();
         const std::string path = (settings_.out / ("screenshot-" + std::to_string(++screenshots_) + ".png")).string();
         if (const auto written = io::write_png_rgb8(path, width_, height_, target->read_rgb8()); !written)
             return written.error();
@@ -240,16 +300,22 @@ private:
     void show_title(double dt_s) {
         smooth_dt_s_ = smooth_dt_s_ == 0 ? dt_s : 0.95 * smooth_dt_s_ + 0.05 * dt_s;
         const gl::FrameStats& stats = terrain_.last_frame();
-        char line[256];
-        std::snprintf(line, sizeof line,
-                      "tilth  %.1f ms  %llu k triangles  %llu deform passes  |  %s %s %s, radius %.1f m  |  %s",
-                      smooth_dt_s_ * 1e3, static_cast<unsigned long long>(stats.render.primitives / 1000),
-                      static_cast<unsigned long long>(stats.deform.passes),
-                      terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(),
-                      rule_name(brush_.rule), brush_.digs ? "down" : "up", brush_.radius_m,
-                      shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
-                                    "sign, R rule, F12 picture, Esc"
-                                  : "F1 help");
+        const std::vector<TileReport> tiles = terrain_.tiles();
+        const auto resident = std::count_if(tiles.begin(), tiles.end(),
+                                            [](const TileReport& tile) { return tile.state == TileState::Resident; });
+        char line[400];
+        std::snprintf(
+            line, sizeof line,
+            "tilth  %.1f ms  %llu k triangles  %llu deform passes  %lld of %zu tiles resident, %llu loaded  |  "
+            "%s%s %s %s, radius %.1f m  |  %s",
+            smooth_dt_s_ * 1e3, static_cast<unsigned long long>(stats.render.primitives / 1000),
+            static_cast<unsigned long long>(stats.deform.passes), static_cast<long long>(resident), tiles.size(),
+            static_cast<unsigned long long>(terrain_.total().cache.loads), walks_ ? "on foot, " : "",
+            terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(), rule_name(brush_.rule),
+            brush_.digs ? "down" : "up", brush_.radius_m,
+            shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
+                          "sign, R rule, G walk, T teleport, F2 map, F12 picture, Esc"
+                        : "F1 help");
         glfwSetWindowTitle(window_, line);
     }
 
@@ -264,6 +330,11 @@ private:
     std::optional<WorldPos> aim_;
     double aim_height_m_ = 0, stroke_height_m_ = 0;
     double least_radius_m_ = 1, most_radius_m_ = 100;
+    double coarse_from_m_ = 0;  ///< radius from which on the brush works on the coarse map; 0: always
+    FootSteps steps_;
+    BootSize boots_;
+    ShapeId boot_;
+    bool walks_ = false, shows_map_ = false;
     double pixel_x_ = 0, pixel_y_ = 0, smooth_dt_s_ = 0;
     int width_ = 0, height_ = 0, screenshots_ = 0;
     bool shows_help_ = false;

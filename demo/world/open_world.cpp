@@ -8,8 +8,19 @@ namespace tilth::demo {
 
 namespace {
 
+/// Members of `TerrainSettings` that a scenario calls by another name.
+struct Renamed {
+    const char* member;
+    const char* key;
+};
+constexpr Renamed kRenamed[] = {
+    {"most_gpu_bytes", "tile_memory"}, {"frame_target_ms", "budget"}, {"most_ms", "budget"}, {"most_bytes", "budget"}};
+
 /// The key that a message of the library speaks of, e.g. "quantum_m" -> "quantum".
 std::string key_in(const std::string& message, const TerrainPart& terrain) {
+    for (const Renamed& renamed : kRenamed)
+        if (terrain.lines.contains(renamed.key) && message.find(renamed.member) != std::string::npos)
+            return renamed.key;
     for (const auto& [key, line] : terrain.lines)
         if (message.find(key) != std::string::npos) return key;
     return "terrain";

@@ -1,5 +1,5 @@
-// deform/stamps.frag: applies a list of stamps, in order, to the codes of one map.
-//   reads   u_high, u_low   R16 unorm       the map's height code at the fragment's texel (smooth: and its neighbours)
+// deform/stamps.frag: applies a list of stamps, in order, to the codes of one map or of one tile of it.
+//   reads   u_high, u_low   R16 unorm       the height code at the fragment's texel (smooth: and its neighbours)
 //           u_weights       R32I            all shapes' weights, 1/65536, 4096 to a row
 //           u_stamps        RGBA32UI        StampParams, seven texels each
 //           u_order         R32UI           stamps by number, lists of the blocks one behind the other
@@ -15,7 +15,8 @@ flat in ivec4 v_payload;
 uniform sampler2D u_high, u_low;
 uniform isampler2D u_weights;
 uniform usamplerBuffer u_stamps, u_order;
-uniform ivec2 u_last_texel;  // of the map
+uniform ivec2 u_origin;                   // texel of the map at texel (0, 0) of u_high and u_low
+uniform ivec2 u_first_held, u_last_held;  // texels of the map that they hold, inclusive: smooth repeats the outermost
 layout(location = 0) out float new_high;
 #ifndef BITS16
 layout(location = 1) out float new_low;
@@ -77,7 +78,7 @@ int stamp_weight(StampParams s, int x, int z) {
 }
 
 uint map_code(ivec2 texel) {
-    texel = clamp(texel, ivec2(0), u_last_texel);
+    texel = clamp(texel, u_first_held, u_last_held) - u_origin;
 #ifdef BITS16
     return plane_bits(texelFetch(u_high, texel, 0).r) << 16;
 #else

@@ -1,10 +1,13 @@
 // render/terrain.frag: shades the ground by the slope map, and draws the brush cursor on it.
 //   reads   u_slopes   RG8 companded or (SLOPES_RG16F) RG16F   dh/dx, dh/dz at the posts of the map, see pool/slope_map.h
 //   writes  colour     linear RGB, alpha 1; GL encodes it where the host enabled GL_FRAMEBUFFER_SRGB on an sRGB target
-// Features: SLOPES_RG16F, MIRRORED.
+// Features: SLOPES_RG16F, MIRRORED; DETAIL: fine slopes are added (render/detail_slopes.glsl).
 #include "render/shade.glsl"
 #include "render/terrain_inputs.glsl"
 #include "shared/slope_math.glsl"
+#ifdef DETAIL
+#include "render/detail_slopes.glsl"
+#endif
 
 uniform sampler2D u_slopes;
 uniform vec2 u_slopes_size_posts;  // padded
@@ -66,6 +69,9 @@ void main() {
     p.distance_m = length(v_position_m);
     p.to_eye = -v_position_m / max(p.distance_m, 1e-6);
     p.slope = slope_here();
+#ifdef DETAIL
+    p.slope += detail_slope(v_position_m.xz, dFdx(v_position_m.xz), dFdy(v_position_m.xz), u_fraction_m);
+#endif
     p.normal = normalize(vec3(-p.slope.x, 1.0, -p.slope.y));
     p.tint_height = v_position_m.y * u_eye_tint.x + u_eye_tint.y;
     vec3 shaded = shade(p);

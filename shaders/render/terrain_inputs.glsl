@@ -7,8 +7,8 @@ struct SurfacePoint {
     vec3 from_eye_m;   // position relative to the eye (world axes)
     float distance_m;  // length of it
     vec3 to_eye;       // unit
-    vec3 normal;       // unit, from the slope map
-    vec2 slope;        // dh/dx, dh/dz, metres per metre
+    vec3 normal;       // unit, from the slope
+    vec2 slope;        // dh/dx, dh/dz, metres per metre: of the coarse map and of fine detail near the eye
     float tint_height; // height in u_tint_low_m .. u_tint_high_m as 0 .. 1, not clamped
 };
 

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "tilth/core/log.h"
 #include "tilth/deform/deformer.h"
+#include "tilth/detail_stage.h"
 #include "tilth/derive/slope_pass.h"
 #include "tilth/executor_choice.h"
 #include "tilth/gl/api.h"
@@ -32,6 +34,7 @@ struct GpuStages {
     std::optional<SlopePass> slope_pass;  ///< executor gpu only
     std::optional<SlopeMap> slopes;
     std::optional<TerrainRenderer> renderer;
+    std::unique_ptr<DetailStage> detail;  ///< worlds with a detail map
 };
 
 /// Adds the wall time of its scope to a stage.
@@ -73,12 +76,23 @@ struct Terrain::Impl {
     Result<void> create_stages();
 
     Result<void> apply_queue(gl::FrameStats& stats);
+    Result<void> apply_detail(std::span<const StampRecord> records, gl::FrameStats& stats);
+    Result<void> apply_coarse(std::span<const StampRecord> records, gl::FrameStats& stats);
     void apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
     Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                               std::vector<TexelRect>& changed);
     [[nodiscard]] bool may_saturate(const PreparedStamp& stamp) const;
     void derive(std::span<const TexelRect> changed, gl::FrameStats& stats);
     void read_back(gl::FrameStats& stats);
+
+    /// Calls `action(detail stage, statistics outside frames)` where there is one.
+    template <class Action>
+    auto with_detail(const Action& action) -> decltype(action(*gpu->detail)) {
+        if (!gpu || !gpu->detail) return {};
+        const gl::StateGuard guard(*gpu->device);
+        const gl::DebugGroup group(*gpu->device, "tilth: detail");
+        return action(*gpu->detail);
+    }
 };
 
 // ---- creation ----
@@ -154,6 +168,13 @@ Result<void> Terrain::Impl::create_stages() {
     gpu->planes->upload(field, field.rect(), before.transfer);
     const TexelRect whole = field.rect();
     derive({&whole, 1}, before);
+
+    if (settings.ground.detail) {
+        Result<std::unique_ptr<DetailStage>> detail =
+            DetailStage::create(device, *gpu->shaders, *ground, settings, gpu->deformer ? &*gpu->deformer : nullptr);
+        if (!detail) return detail.error();
+        gpu->detail = std::move(*detail);
+    }
     return {};
 }
 
@@ -194,26 +215,44 @@ Result<void> Terrain::replay(const StampRecord& record) {
 }
 
 Result<void> Terrain::update(double /*dt_s*/) {
-    impl_->before += impl_->frame;
-    impl_->frame = {};
-    return impl_->apply_queue(impl_->frame);
+    Impl& impl = *impl_;
+    impl.before += impl.frame;
+    impl.frame = {};
+    DetailStage* const detail = impl.gpu ? impl.gpu->detail.get() : nullptr;
+    std::optional<gl::StateGuard> guard;
+    if (detail != nullptr && (detail->uses_gl() || !impl.queue.empty())) guard.emplace(*impl.gpu->device);
+    if (detail != nullptr) detail->begin(impl.frame);
+    Result<void> applied = impl.apply_queue(impl.frame);
+    if (detail != nullptr) detail->transfer(impl.frame);
+    return applied;
 }
 
 Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
     if (gpu && gpu->deformer) gpu->deformer->collect(stats.deform);
-    if (queue.empty()) return {};
-    std::vector<StampRecord> coarse;
-    for (const StampRecord& record : queue) {
-        if (record.map == MapKind::Coarse) {
-            coarse.push_back(record);
-            continue;
-        }
-        const ApplyResult result = ground->apply(record);  // detail codes live on the CPU
+    std::vector<StampRecord> coarse, detail;
+    for (const StampRecord& record : std::exchange(queue, {}))
+        (record.map == MapKind::Coarse ? coarse : detail).push_back(record);
+    const Result<void> dented = apply_detail(detail, stats);
+    const Result<void> applied = apply_coarse(coarse, stats);
+    return applied ? dented : applied;
+}
+
+Result<void> Terrain::Impl::apply_detail(std::span<const StampRecord> records, gl::FrameStats& stats) {
+    if (records.empty() && !(gpu && gpu->detail && gpu->detail->cache().has_waiting_stamps())) return {};
+    const StageClock clock(stats.deform);
+    if (gpu && gpu->detail) {
+        const gl::DebugGroup group(*gpu->device, "tilth: update detail");
+        return gpu->detail->stamp(records, stats);
+    }
+    for (const StampRecord& record : records) {  // without GL all of the map is in memory
+        const ApplyResult result = ground->apply(record);
         stats.deform.texels += result.texels;
         stats.deform.saturated += result.saturated;
-        if (executor == ExecutorKind::Gpu) ++stats.deform.fallbacks;
     }
-    queue.clear();
+    return {};
+}
+
+Result<void> Terrain::Impl::apply_coarse(std::span<const StampRecord> coarse, gl::FrameStats& stats) {
     if (coarse.empty()) return {};
     if (!gpu) {
         std::vector<TexelRect> changed;
@@ -322,9 +361,12 @@ void Terrain::Impl::read_back(gl::FrameStats& stats) {
 }
 
 Result<void> Terrain::drain() {
-    if (const Result<void> applied = impl_->apply_queue(impl_->before); !applied) return applied.error();
-    impl_->read_back(impl_->before);
-    return {};
+    Impl& impl = *impl_;
+    std::optional<gl::StateGuard> guard;
+    if (impl.gpu) guard.emplace(*impl.gpu->device);
+    if (const Result<void> applied = impl.apply_queue(impl.before); !applied) return applied.error();
+    impl.read_back(impl.before);
+    return impl.with_detail([&](DetailStage& detail) { return detail.settle(impl.before); });
 }
 
 // ---- drawing ----
@@ -339,7 +381,14 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
             "with colour and depth"};
     const gl::StateGuard guard(*gpu.device);
     const gl::DebugGroup group(*gpu.device, "tilth: draw");
-    return gpu.renderer->draw(view, shading, cursor, *gpu.planes, *gpu.slopes, *impl_->bounds, impl_->frame.render);
+    DetailView detail;
+    if (gpu.detail) {
+        const WorldPos eye{view.eye.x, view.eye.z};
+        gpu.detail->set_default_viewer(eye);
+        detail = gpu.detail->view_from(eye);
+    }
+    return gpu.renderer->draw(view, shading, cursor, *gpu.planes, *gpu.slopes, *impl_->bounds, impl_->frame.render,
+                              &detail);
 }
 
 Result<void> Terrain::reload_shaders() {
@@ -351,24 +400,84 @@ Result<void> Terrain::reload_shaders() {
         if (Result<void> reloaded = gpu.slope_pass->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
     if (gpu.deformer)
         if (Result<void> reloaded = gpu.deformer->reload(); !reloaded) result = std::move(reloaded);
+    if (gpu.detail)
+        if (Result<void> reloaded = gpu.detail->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
     return result;
 }
 
 // ---- queries ----
 
 double Terrain::height_m(WorldPos at, MapSelect select) {
-    impl_->read_back(impl_->before);
-    return impl_->ground->height_m(at, select);
+    Impl& impl = *impl_;
+    impl.read_back(impl.before);
+    if (select != MapSelect::Coarse) {
+        const Result<void> here = impl.with_detail([&](DetailStage& detail) { return detail.require(at, impl.before); });
+        if (!here) return std::numeric_limits<double>::quiet_NaN();
+    }
+    return impl.ground->height_m(at, select);
 }
 
 std::optional<double> Terrain::raycast(const Vec3d& from, const Vec3d& direction, double max_m) {
-    impl_->read_back(impl_->before);
-    return tilth::raycast(*impl_->ground, from, direction, max_m);
+    Impl& impl = *impl_;
+    impl.read_back(impl.before);
+    if (!impl.gpu || !impl.gpu->detail) return tilth::raycast(*impl.ground, from, direction, max_m);
+    // As far as the ground is in memory; beyond, tile by tile.
+    for (const auto& [distance_m, tile] : impl.gpu->detail->away_along(from, direction, max_m)) {
+        if (const std::optional<double> hit = tilth::raycast(*impl.ground, from, direction, distance_m)) return hit;
+        const Result<void> here = impl.with_detail(
+            [&, index = tile](DetailStage& detail) { return detail.require({&index, 1}, impl.before); });
+        if (!here) return std::nullopt;
+    }
+    return tilth::raycast(*impl.ground, from, direction, max_m);
 }
 
-StateHash Terrain::hash() {
-    impl_->read_back(impl_->before);
-    return impl_->ground->hash();
+Result<StateHash> Terrain::hash() {
+    Impl& impl = *impl_;
+    impl.read_back(impl.before);
+    if (!impl.gpu || !impl.gpu->detail) return impl.ground->hash();
+    const gl::StateGuard guard(*impl.gpu->device);
+    const gl::DebugGroup group(*impl.gpu->device, "tilth: hash");
+    const Result<std::uint64_t> detail = impl.gpu->detail->hash(impl.before);
+    if (!detail) return detail.error();
+    return StateHash{impl.ground->coarse_hash(), *detail};
+}
+
+// ---- tiles ----
+
+void Terrain::set_viewers(std::span<const WorldPos> viewers) {
+    if (impl_->gpu && impl_->gpu->detail) impl_->gpu->detail->set_viewers(viewers);
+}
+
+std::vector<TileReport> Terrain::tiles() const {
+    std::vector<TileReport> reports;
+    if (!impl_->gpu || !impl_->gpu->detail) return reports;
+    for (const CachedTile& tile : impl_->gpu->detail->cache().tiles())
+        reports.push_back({tile.tile, tile.state, tile.interest, tile.modified, tile.pending});
+    return reports;
+}
+
+TileGrid Terrain::tile_grid() const {
+    if (impl_->gpu && impl_->gpu->detail) return impl_->gpu->detail->cache().grid();
+    return {.size = impl_->ground->settings().tile_size,
+            .apron = impl_->settings.tiles.apron,
+            .map = impl_->ground->map(MapKind::Detail).grid.rect()};
+}
+
+std::vector<TileArrival> Terrain::take_arrivals() {
+    std::vector<TileArrival> arrivals;
+    if (!impl_->gpu || !impl_->gpu->detail) return arrivals;
+    const double spacing_m = impl_->ground->map(MapKind::Detail).grid.spacing_m;
+    for (const CachedArrival& arrival : impl_->gpu->detail->cache().take_arrivals())
+        arrivals.push_back({arrival.tile, arrival.lead_texels * spacing_m, arrival.loading_ms});
+    return arrivals;
+}
+
+std::vector<Error> Terrain::take_errors() {
+    return impl_->gpu && impl_->gpu->detail ? impl_->gpu->detail->cache().take_errors() : std::vector<Error>();
+}
+
+std::uint64_t Terrain::tile_gpu_bytes() const {
+    return impl_->gpu && impl_->gpu->detail ? impl_->gpu->detail->tile_bytes() : 0;
 }
 
 // ---- reports ----
@@ -395,7 +504,10 @@ gl::FrameStats Terrain::total() const {
 }
 
 std::uint64_t Terrain::gpu_bytes() const { return impl_->gpu ? impl_->gpu->device->resident_bytes() : 0; }
-std::uint64_t Terrain::cpu_bytes() const { return impl_->ground->bytes(); }
+std::uint64_t Terrain::cpu_bytes() const {
+    const bool pages = impl_->gpu && impl_->gpu->detail;  // the ground counts its pages, the cache what waits for them
+    return impl_->ground->bytes() + (pages ? impl_->gpu->detail->waiting_bytes() : 0);
+}
 
 std::vector<std::string> Terrain::take_debug_messages() {
     std::vector<std::string> messages;

@@ -4,9 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "tilth/cache/frame_budget.h"
+#include "tilth/cache/nine_regions.h"
+#include "tilth/cache/tile_state.h"
 #include "tilth/core/result.h"
 #include "tilth/derive/slope_rects.h"
 #include "tilth/gl/frame_stats.h"
@@ -14,6 +18,8 @@
 #include "tilth/ground/ground.h"
 #include "tilth/pool/slope_map.h"
 #include "tilth/render/view.h"
+#include "tilth/store/tile_store.h"
+#include "tilth/world/tile_grid.h"
 
 namespace tilth {
 
@@ -24,8 +30,21 @@ enum class ExecutorKind : std::uint8_t {
     Automatic,  ///< whichever a short measurement at creation found faster; see `Terrain::executor`
 };
 
+/// How detail tiles come and go. Tile size and texels a post are `GroundSettings`.
+struct TileSettings {
+    double band = 0.1;         ///< width of the central band as a fraction of a tile, 0.02..0.9: how early tiles load
+    std::int32_t apron = 0;    ///< texels round a tile; 0: what filtering and the slope stencil need, at most 16
+    BudgetSettings budget;     ///< of transfers in a frame
+    /// Most bytes of tile textures; 0: nine tiles a viewer. Less than four tiles is refused. Tiles that find no room are
+    /// not drawn; nearer ones displace farther ones.
+    std::uint64_t most_gpu_bytes = 0;
+    /// Where tiles lie that are not in memory. Empty: a `MemoryStore` of the terrain's own.
+    std::shared_ptr<TileStore> store;
+};
+
 struct TerrainSettings {
     GroundSettings ground;
+    TileSettings tiles;
     ExecutorKind executor = ExecutorKind::Automatic;
     SlopeFormat slopes = SlopeFormat::rg8;
     SlopeStencil stencil = SlopeStencil::Central;
@@ -35,6 +54,23 @@ struct TerrainSettings {
     /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off
     /// where the host has its own.
     bool collect_debug_messages = false;
+};
+
+/// A tile as `Terrain::tiles` reports it.
+struct TileReport {
+    TileIndex tile;
+    TileState state = TileState::Absent;
+    Interest interest = Interest::None;  ///< to the viewers
+    bool modified = false;               ///< the store does not have its codes yet
+    std::uint64_t pending_stamps = 0;    ///< fell on it while it was away; applied when it arrives
+};
+
+/// A tile that became resident: how long it took, and how far a viewer could still have walked before it was sampled.
+/// Tiles that were first dented where a viewer stood are no arrivals.
+struct TileArrival {
+    TileIndex tile;
+    double lead_m = 0;      ///< 0: it was late, or its viewer was put down beside it
+    double loading_ms = 0;  ///< since it was wanted
 };
 
 /// Ground that can be dented for good, drawn by a geometry clipmap.
@@ -69,6 +105,22 @@ public:
     /// Fails with the field's name where it does not fit this world (`Ground::accept`); nothing is queued then.
     Result<void> replay(const StampRecord& record);
 
+    /// Whose surroundings are kept resident: places on the ground, for all frames until the next call. None: nothing is
+    /// resident. Before the first call the eye of the last `draw` (at first the map's middle) is the only viewer.
+    void set_viewers(std::span<const WorldPos> viewers);
+
+    /// Detail tiles that hold anything or are on their way, in the order of their indices. Untouched tiles share one
+    /// zero tile and are not listed.
+    [[nodiscard]] std::vector<TileReport> tiles() const;
+    [[nodiscard]] TileGrid tile_grid() const;
+    /// Tiles that became resident since the last call.
+    [[nodiscard]] std::vector<TileArrival> take_arrivals();
+    /// What the store could not do since the last call; each tile's trouble is reported once, until it went well again.
+    /// Nothing is lost: loads and saves are tried again, with growing pauses, and edits stay in memory until then.
+    [[nodiscard]] std::vector<Error> take_errors();
+    /// Bytes of the textures of tiles that exist now, planes and slopes; 0 on untouched ground.
+    [[nodiscard]] std::uint64_t tile_gpu_bytes() const;
+
     /// Applies the queued stamps in order, then slopes and mips over what changed. Never waits for the GPU.
     /// `dt_s` is the frame's time step; negative or NaN counts as 0. Starts the next frame's statistics.
     /// Saturated texels on the GPU are counted by queries that arrive some frames later, in that frame's statistics.
@@ -82,18 +134,23 @@ public:
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound
     /// a complete one with a depth attachment and cleared both (depth to 1, or 0 with `DepthConvention::Reversed`);
     /// depth test, culling and masks are set here. Colours are linear RGB; GL encodes them where the host enabled
-    /// GL_FRAMEBUFFER_SRGB. The detail map is not drawn in this version. Fails without GL, with settings out of range,
+    /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading. Fails without GL, with settings out of range,
     /// and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
-    /// Waits until everything queued is in the ground and the CPU's copy is current. Counted outside the frame.
+    /// Waits until everything queued is in the ground, the CPU's coarse copy is current, and all tiles that the viewers
+    /// want are resident. Counted outside the frame. Fails like `update`, and when the store cannot give a tile.
     Result<void> drain();
 
-    /// Height of the surface, metres; drains first when the GPU holds newer codes.
+    /// Height of the surface, metres. Waits where the GPU holds newer codes or the place's detail tile is not in memory;
+    /// NaN where the store cannot give it (`take_errors` says why).
     [[nodiscard]] double height_m(WorldPos at, MapSelect select = MapSelect::Sum);
-    /// First hit of a ray with the drawn surface (coarse + detail), metres along `direction` normalised; empty: a miss.
+    /// First hit of a ray with the drawn surface (coarse + detail), metres along `direction` normalised; empty: a miss,
+    /// or a detail tile on the way that the store cannot give. Waits like `height_m`, only for tiles that the ray reaches.
     [[nodiscard]] std::optional<double> raycast(const Vec3d& from, const Vec3d& direction, double max_m);
-    [[nodiscard]] StateHash hash();
+    /// State of both maps, wherever their tiles are (`Ground::hash` has the layout). Waits. Fails when the store cannot
+    /// give a tile.
+    Result<StateHash> hash();
 
     /// Which executor runs (never `Automatic`), and what the measurement was, for reports.
     [[nodiscard]] ExecutorKind executor() const;

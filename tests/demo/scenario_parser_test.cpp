@@ -110,6 +110,12 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(ground.precision, HeightPrecision::bits16);
     EXPECT_EQ(scenario->terrain.settings.executor, ExecutorKind::Cpu);
     EXPECT_EQ(scenario->terrain.settings.slopes, SlopeFormat::rg16f);
+    const TileSettings& tiles = scenario->terrain.settings.tiles;
+    EXPECT_EQ(tiles.band, 0.25);
+    EXPECT_EQ(tiles.budget.frame_target_ms, 20);
+    EXPECT_EQ(tiles.budget.most_ms, 2.5);
+    EXPECT_EQ(tiles.budget.most_bytes, 1048576u);
+    EXPECT_EQ(tiles.most_gpu_bytes, 67108864u);
     EXPECT_EQ(scenario->terrain.settings.clipmap.n, 127);
     EXPECT_EQ(scenario->terrain.settings.clipmap.levels, 4);
     EXPECT_EQ(scenario->terrain.settings.clipmap.blend, 0.2);
@@ -118,7 +124,7 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->view.diffuse, 1.25);
     EXPECT_EQ(scenario->view.width, 320);
     EXPECT_EQ(scenario->view.fov_degrees, 45);
-    ASSERT_EQ(scenario->steps.size(), 15u);
+    ASSERT_EQ(scenario->steps.size(), 17u);
     EXPECT_EQ(std::get<CameraStep>(scenario->steps[1].action).above_ground_m, 2.0);
     const auto& stamp = std::get<StampStep>(scenario->steps[2].action);
     EXPECT_EQ(stamp.request.centre, (WorldPos{1e7 + 20, -1e7 + 20}));
@@ -132,10 +138,13 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
         << "in the library's order, not the file's";
     EXPECT_EQ(random.rules, (std::vector<StampRule>{StampRule::Add, StampRule::Min}));
     EXPECT_EQ(std::get<WaitStep>(scenario->steps[7].action).dt_s, (std::vector<double>{0.01, 0.02}));
+    EXPECT_TRUE(std::get<ScreenshotStep>(scenario->steps[9].action).overlay);
     EXPECT_EQ(std::get<DumpStep>(scenario->steps[10].action).what, DumpWhat::Slope);
     const auto& stat = std::get<ExpectStat>(std::get<ExpectStep>(scenario->steps[14].action).what);
     EXPECT_EQ(stat.path, "last_frame.deform.passes");
     EXPECT_EQ(scenario->steps[14].number, 15);
+    EXPECT_EQ(std::get<ViewersStep>(scenario->steps[15].action).at, (std::vector<WorldPos>{{10, 20}, {30.5, -40}}));
+    EXPECT_TRUE(std::get<ViewersStep>(scenario->steps[16].action).at.empty());
 }
 
 TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
@@ -150,6 +159,19 @@ TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
     EXPECT_EQ(own.diffuse, Shading().diffuse);
     EXPECT_EQ(given.ambient, 0.0f);
     EXPECT_EQ(given.diffuse, 100.0f);
+}
+
+TEST(ReadScenario, TilesAreTheLibrarysUnlessGiven) {
+    Problems problems;
+    const auto plain = parsed("[[step]]\nscreenshot = \"a.png\"\n", problems);
+    const auto least = parsed("band = 0.02\nbudget = {}\n", problems), most = parsed("band = 0.9\n", problems);
+    ASSERT_TRUE(plain && least && most) << problems.report("F");
+    const TileSettings& tiles = plain->terrain.settings.tiles;
+    EXPECT_EQ(tiles.band, TileSettings().band);
+    EXPECT_EQ(tiles.budget.frame_target_ms, TileSettings().budget.frame_target_ms);
+    EXPECT_EQ(least->terrain.settings.tiles.budget.most_bytes, TileSettings().budget.most_bytes);
+    EXPECT_EQ(tiles.most_gpu_bytes, 0u);
+    EXPECT_FALSE(std::get<ScreenshotStep>(plain->steps[0].action).overlay);
 }
 
 TEST(ReadScenario, AnAutoStampGoesToTheCoarseMapFromEightPostsOn) {

@@ -29,6 +29,10 @@ RunReport some_report() {
     report.frames = {{4, 2, 6}, {5, 3, 7}};
     report.total.deform.passes = 12;
     report.last_frame.transfer.bytes_up = 34;
+    report.total.cache = {1, 2, 3, 4, 5, 6, 7, 8, 9.5};
+    report.last_frame.cache.missing_active = 11;
+    report.walk.missing_frames = 12;
+    report.tiles = 13, report.tile_bytes = 14;
     report.queries = Json::parse("[[9.5, 9.75], []]");
     report.failures = {"f.toml:3: step 1: expect"};
     return report;
@@ -36,19 +40,35 @@ RunReport some_report() {
 
 TEST(RunReport, HasEveryKeyOfTheForm) {
     const Json json = to_json(some_report());
-    std::vector<std::string> paths{
-        "tilth",       "context.route", "context.renderer", "context.gl",         "context.executor",   "hash.coarse",
-        "hash.detail", "frames.count",  "resident.tiles",   "resident.gpu_bytes", "resident.cpu_bytes", "queries",
-        "failures"};
+    std::vector<std::string> paths{"tilth",
+                                   "context.route",
+                                   "context.renderer",
+                                   "context.gl",
+                                   "context.executor",
+                                   "hash.coarse",
+                                   "hash.detail",
+                                   "frames.count",
+                                   "resident.tiles",
+                                   "resident.gpu_bytes",
+                                   "resident.cpu_bytes",
+                                   "queries",
+                                   "failures",
+                                   "resident.tile_bytes",
+                                   "walk.missing_frames",
+                                   "walk.smallest_lead_m",
+                                   "walk.smallest_lead_ms",
+                                   "cache.longest_frame_over_median"};
     for (const char* times : {"cpu_ms", "wall_ms"})
         for (const char* share : {"p50", "p95", "p99", "max"})
             paths.push_back(std::string("frames.") + times + "." + share);
     for (const std::string part : {"total.", "last_frame."}) {
         for (const char* key : {"passes", "draws", "texels", "bytes", "programs", "saturated"})
             paths.push_back(part + "deform." + key);
-        for (const char* key : {"derive", "render.primitives", "cache.loads", "cache.evictions", "cache.rescues",
-                                "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes",
-                                "effects.wave.texels", "effects.wave.bytes", "effects.wave.programs"})
+        for (const char* key :
+             {"derive", "render.primitives", "cache.loads", "cache.evictions", "cache.rescues", "cache.saves",
+              "cache.cancelled", "cache.failures", "cache.late_stamps", "cache.missing_active", "cache.transfer_ms",
+              "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes", "effects.wave.texels",
+              "effects.wave.bytes", "effects.wave.programs"})
             paths.push_back(part + key);
     }
     for (const std::string& path : paths) EXPECT_TRUE(value_at(json, path)) << path;
@@ -57,6 +77,33 @@ TEST(RunReport, HasEveryKeyOfTheForm) {
     EXPECT_EQ(json["frames"]["count"], 3);
     EXPECT_EQ(json["frames"]["cpu_ms"]["p50"], 4);
     EXPECT_EQ(json["frames"]["wall_ms"]["max"], 7);
+}
+
+TEST(RunReport, CacheFieldsStandUnderTheirNames) {
+    const Json json = to_json(some_report());
+    EXPECT_EQ(json["total"]["cache"].dump(),
+              "{\"loads\":1,\"saves\":2,\"evictions\":3,\"rescues\":4,\"cancelled\":5,\"failures\":6,"
+              "\"late_stamps\":7,\"missing_active\":8,\"transfer_ms\":9.5}");
+    EXPECT_EQ(json["last_frame"]["cache"]["missing_active"], 11);
+    EXPECT_EQ(json["walk"]["missing_frames"], 12);
+    EXPECT_EQ(json["resident"]["tiles"], 13);
+    EXPECT_EQ(json["resident"]["tile_bytes"], 14);
+    EXPECT_EQ(json["cache"]["longest_frame_over_median"], 7.0 / 5) << "wall time: waiting is what it is to show";
+    RunReport walked = some_report();
+    walked.walk_frames = {{1, 1, 1}, {2, 3, 2}};
+    EXPECT_EQ(to_json(walked)["cache"]["longest_frame_over_median"], 1.5) << "of walks, where there are any";
+}
+
+TEST(RunReport, WhatWasNotMeasuredIsNull) {
+    const Json json = to_json(RunReport{});
+    EXPECT_TRUE(json["walk"]["smallest_lead_m"].is_null());
+    EXPECT_TRUE(json["walk"]["smallest_lead_ms"].is_null());
+    EXPECT_TRUE(json["cache"]["longest_frame_over_median"].is_null());
+    for (const char* path : {"walk.smallest_lead_m", "walk.smallest_lead_ms", "cache.longest_frame_over_median"}) {
+        EXPECT_TRUE(has_stat(path)) << path;
+        const ExpectStat expected{.path = path, .equals = {}, .at_most = 1e9, .at_least = -1e9, .equals_text = {}};
+        EXPECT_TRUE(unmet(expected, json)) << "null meets no bound";
+    }
 }
 
 TEST(StatPath, LeadsThroughTablesAndLists) {

@@ -6,6 +6,7 @@
 
 #include "demo/window/commands.h"
 #include "demo/window/fly_camera.h"
+#include "demo/window/foot_steps.h"
 #include "demo/window/input_script.h"
 #include "demo/window/path_brush.h"
 
@@ -57,25 +58,44 @@ TEST(Commands, KeysOfTheBrush) {
 
 TEST(Commands, AStampAsksForWhatItsRuleNeeds) {
     Brush brush{.depth_m = 2, .digs = true};
-    EXPECT_EQ(stamp_of(brush, {1, 2}, 30).amplitude_m, -2);
-    EXPECT_FALSE(stamp_of(brush, {1, 2}, 30).level_m);
+    const auto stamp = [&](double coarse_from_m) { return stamp_of(brush, {1, 2}, 30, coarse_from_m); };
+    EXPECT_EQ(stamp(0).amplitude_m, -2);
+    EXPECT_FALSE(stamp(0).level_m);
     brush.rule = StampRule::Min;
-    EXPECT_EQ(stamp_of(brush, {1, 2}, 30).level_m, 30);
+    EXPECT_EQ(stamp(0).level_m, 30);
     brush.rule = StampRule::Set;
-    EXPECT_EQ(stamp_of(brush, {1, 2}, 30).amplitude_m, 0) << "set flattens at the ground's height";
+    EXPECT_EQ(stamp(0).amplitude_m, 0) << "set flattens at the ground's height";
     brush.rule = StampRule::Smooth;
-    const double share = stamp_of(brush, {1, 2}, 30).amplitude_m;
-    EXPECT_TRUE(share > 0 && share <= 1);
+    EXPECT_TRUE(stamp(0).amplitude_m > 0 && stamp(0).amplitude_m <= 1);
+}
+
+TEST(Commands, SmallBrushesWorkOnTheDetailMap) {
+    Brush brush{.radius_m = 2, .rule = StampRule::Min};
+    EXPECT_EQ(stamp_of(brush, {1, 2}, 30, 2).map, MapChoice::Coarse);
+    const StampRequest small = stamp_of(brush, {1, 2}, 30, 2.001);
+    EXPECT_EQ(small.map, MapChoice::Detail);
+    EXPECT_FALSE(small.level_m) << "an offset from undisturbed ground, not a height above the sea";
+}
+
+TEST(Commands, KeysOfTheTiles) {
+    const Commands none = commands_of({}, 1);
+    EXPECT_FALSE(none.overlay || none.walk || none.teleport);
+    EXPECT_TRUE(commands_of({.pressed = {Key::F2}}, 1).overlay);
+    EXPECT_TRUE(commands_of({.pressed = {Key::G}}, 1).walk);
+    EXPECT_TRUE(commands_of({.pressed = {Key::T}}, 1).teleport);
+    for (const char* key : {"G ", "T ", "F2 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
 }
 
 TEST(Commands, TheScriptUsesEveryKindOfCommand) {
     bool moves = false, looks = false, stamps = false, drags = false, helps = false, shoots = false, quits = false;
-    for (long frame = 0; frame < 12; ++frame) {
+    bool maps = false, walks = false, teleports = false;
+    for (long frame = 0; frame < 15; ++frame) {
         const Commands c = commands_of(scripted_input(frame), 1);
         moves |= c.move.z != 0, looks |= c.yaw_rad != 0, stamps |= c.stamp, drags |= c.drag;
         helps |= c.help, shoots |= c.screenshot, quits |= c.quit;
+        maps |= c.overlay, walks |= c.walk, teleports |= c.teleport;
     }
-    EXPECT_TRUE(moves && looks && stamps && drags && helps && shoots);
+    EXPECT_TRUE(moves && looks && stamps && drags && helps && shoots && maps && walks && teleports);
     EXPECT_FALSE(quits) << "--frames ends it";
 }
 
@@ -101,6 +121,93 @@ TEST(FlyCamera, ForwardGoesWhereItLooksAndNeverOverTheTop) {
     c = {};
     c.pitch_rad = 10;
     EXPECT_LT(moved(camera, c).pitch_rad, std::numbers::pi / 2);
+}
+
+TEST(FlyCamera, OnFootItKeepsItsHeightAndPace) {
+    Commands ahead;
+    ahead.move = {0, 5, 3};
+    const FlyCamera down = walked(FlyCamera::looking({10, 5, 20}, {1, -4, 0}), ahead);
+    EXPECT_NEAR(down.eye.x, 13, 1e-12) << "looking down slows nobody";
+    EXPECT_EQ(down.eye.y, 5);
+    EXPECT_NEAR(down.eye.z, 20, 1e-12);
+    Commands aside;
+    aside.move = {2, 0, 0}, aside.pitch_rad = 0.1;
+    const FlyCamera right = walked(FlyCamera::looking({0, 0, 0}, {0, 0, -1}), aside);
+    EXPECT_NEAR(right.eye.x, 2, 1e-12);
+    EXPECT_NEAR(right.eye.z, 0, 1e-12);
+    EXPECT_NEAR(right.pitch_rad, 0.1, 1e-12);
+}
+
+TEST(FarCorner, IsAcrossTheMap) {
+    const GridSpec posts{.origin = {100, 200}, .spacing_m = 2, .width = 11, .depth = 6};
+    EXPECT_EQ(far_corner(posts, {101, 201}), (WorldPos{120, 210}));
+    EXPECT_EQ(far_corner(posts, {119, 201}), (WorldPos{100, 210}));
+    EXPECT_EQ(far_corner(posts, {1e6, 1e6}), (WorldPos{100, 200}));
+}
+
+/// The print's place beside a way along `direction`, and which way its toes point, in the world. The image's own x axis
+/// (mirrored first, then turned) is what shows ahead.
+struct Foot {
+    double along_m, left_m, toes_along, toes_left;
+};
+Foot foot_of(const StampRequest& print, Vec3d direction) {
+    const double length = std::hypot(direction.x, direction.z), dx = direction.x / length, dz = direction.z / length;
+    const double flip = print.mirror ? -1 : 1, toes_x = flip * std::cos(print.rotation_rad),
+                 toes_z = -flip * std::sin(print.rotation_rad);
+    return {print.centre.x * dx + print.centre.z * dz, print.centre.x * dz - print.centre.z * dx,
+            toes_x * dx + toes_z * dz, toes_x * dz - toes_z * dx};
+}
+
+TEST(FootSteps, FeetAlternateWhateverTheFramesAndTheWay) {
+    const BootSize boots;
+    for (const Vec3d& direction : {Vec3d{1, 0, 0}, Vec3d{0, 0, 1}, Vec3d{-3, 0, 4}})
+        for (const int frames : {3, 40, 1000}) {
+            const double length = std::hypot(direction.x, direction.z);
+            FootSteps steps;
+            std::vector<StampRequest> prints = steps.step({0, 0}, boots, {6});
+            for (int i = 1; i <= frames; ++i) {
+                const double walked_m = 6.0 * i / frames;
+                for (const StampRequest& print :
+                     steps.step({direction.x / length * walked_m, direction.z / length * walked_m}, boots, {6}))
+                    prints.push_back(print);
+            }
+            const double first_m = 6.0 / frames;  // with the first move
+            ASSERT_EQ(prints.size(), std::size_t(std::floor((6.0 - first_m) / 0.75 + 1e-6)) + 1) << frames;
+            for (std::size_t i = 0; i < prints.size(); ++i) {
+                const Foot foot = foot_of(prints[i], direction);
+                EXPECT_NEAR(foot.along_m, first_m + 0.75 * double(i), 1e-9);
+                EXPECT_NEAR(foot.left_m, i % 2 == 0 ? 0.15 : -0.15, 1e-9) << "left foot first";
+                EXPECT_EQ(prints[i].mirror, i % 2 == 0) << "the image is a right boot";
+                EXPECT_NEAR(foot.toes_along, 1, 1e-6) << "toes ahead, mirrored or not";
+                EXPECT_NEAR(foot.toes_left, 0, 1e-6);
+                EXPECT_EQ(prints[i].map, MapChoice::Detail);
+                EXPECT_EQ(prints[i].rule, StampRule::Min);
+                EXPECT_EQ(prints[i].shape, ShapeId{6});
+                EXPECT_EQ(prints[i].amplitude_m, -0.03);
+                EXPECT_EQ(prints[i].radius_m, 0.17);
+            }
+        }
+}
+
+TEST(FootSteps, StandingAndJumpingLeaveNoTrail) {
+    const BootSize boots;
+    FootSteps steps;
+    EXPECT_TRUE(steps.step({0, 0}, boots, {6}).empty());
+    EXPECT_TRUE(steps.step({0, 0}, boots, {6}).empty()) << "who has not moved has not trodden";
+    EXPECT_EQ(steps.step({0.1, 0}, boots, {6}).size(), 1u);
+    EXPECT_TRUE(steps.step({0.1, 0}, boots, {6}).empty());
+    EXPECT_TRUE(steps.step({500, 0}, boots, {6}).empty()) << "nobody walks half a kilometre in a frame";
+    EXPECT_EQ(steps.step({500.1, 0}, boots, {6}).size(), 1u) << "and goes on there";
+    steps.stop();
+    EXPECT_TRUE(steps.step({501, 0}, boots, {6}).empty());
+}
+
+TEST(FootSteps, BootsAreTenTexelsLongWhereTexelsAreWide) {
+    EXPECT_EQ(boots_for(1.0 / 30).radius_m, 0.17);
+    EXPECT_EQ(boots_for(0.001).stride_m, 0.75);
+    EXPECT_NEAR(boots_for(1.0 / 3).radius_m, 1.7, 1e-12);
+    EXPECT_NEAR(boots_for(1.0 / 3).stride_m, 7.5, 1e-12);
+    EXPECT_EQ(boots_for(1.0 / 3).eye_m, 2);
 }
 
 TEST(FlyCamera, RaysThroughThePicture) {

@@ -140,8 +140,8 @@ TEST(DetailField, PagesAreMadeWhereTheyAreTouched) {
     DetailField field;
     EXPECT_EQ(field.code({5, -70}), kMidCode);
     EXPECT_EQ(field.find({0, -2}), nullptr);
-    EXPECT_EQ(DetailField::page_of({63, 64}), (PageIndex{0, 1}));
-    EXPECT_EQ(DetailField::page_of({-1, -64}), (PageIndex{-1, -1}));
+    EXPECT_EQ(page_of({63, 64}), (PageIndex{0, 1}));
+    EXPECT_EQ(page_of({-1, -64}), (PageIndex{-1, -1}));
     field.touch({0, -2})[58 * 64 + 5] = 7;  // row -70 is row 58 of page -2
     EXPECT_EQ(field.code({5, -70}), 7u);
     EXPECT_EQ(field.code({6, -70}), kMidCode);

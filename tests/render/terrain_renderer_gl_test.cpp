@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "render/support/clipmap_twin.h"
+#include "render/support/picture_difference.h"
 #include "render/support/scene.h"
 #include "support/gl_state.h"
 
@@ -15,27 +16,8 @@ namespace {
 
 class TerrainRendererGlTest : public GlTest {};
 
-struct Difference {
-    int max = 0;
-    double mean = 0;
-};
-Difference difference_of(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
-    Difference d;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        d.max = std::max(d.max, std::abs(a[i] - b[i]));
-        d.mean += std::abs(a[i] - b[i]) / static_cast<double>(a.size());
-    }
-    return d;
-}
-
 Vec3d towards(double heading, double pitch) {
     return {std::cos(pitch) * std::cos(heading), std::sin(pitch), std::cos(pitch) * std::sin(heading)};
-}
-
-int levels_of_grey(const std::vector<std::uint8_t>& rgba) {
-    std::array<bool, 256> seen{};
-    for (std::size_t i = 0; i < rgba.size(); i += 4) seen[rgba[i]] = true;
-    return static_cast<int>(std::count(seen.begin(), seen.end(), true));
 }
 
 // The shader's surface is the twin's: every pixel's depth, seen from above over all levels, is put back into the world.

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "tilth/pool/gl_rect.h"
+#include "tilth/pool/shelves.h"
 
 namespace tilth {
 namespace {
@@ -12,26 +12,11 @@ namespace {
 // Texture units of deform/stamps.frag.
 enum Unit { kHigh, kLow, kWeights, kStamps, kOrder };
 
-constexpr std::int32_t kSlotsAcross = 16;  // blocks side by side in the scratch textures
+// Width and depth of the scratch for many small parts; targets larger than that may use as much as one of them has.
+constexpr std::int32_t kScratchTexels = 1024;
+// Parts start at multiples of this in the scratch.
+constexpr std::int32_t kScratchAlign = 64;
 constexpr std::size_t kStampTexels = sizeof(StampParams) / 16;
-
-/// Where a batch's blocks are drawn: a block alone at the scratch's corner, many in a grid of slots.
-std::vector<gl::PassRect> placed(const StampBatch& batch) {
-    std::vector<gl::PassRect> rects;
-    rects.reserve(batch.blocks.size());
-    std::int32_t slot = 0;
-    for (const StampBlock& block : batch.blocks) {
-        const std::int32_t x = slot % kSlotsAcross * kBlockTexels, z = slot / kSlotsAcross * kBlockTexels;
-        rects.push_back({x,
-                         z,
-                         x + block.rect.width(),
-                         z + block.rect.depth(),
-                         {block.rect.min.x - x, block.rect.min.z - z, static_cast<std::int32_t>(block.first),
-                          static_cast<std::int32_t>(block.count)}});
-        ++slot;
-    }
-    return rects;
-}
 
 Result<void> put(std::optional<gl::TextureBuffer>& list, gl::Device& device, std::string_view label, gl::Format format,
                  std::size_t texels, std::span<const std::byte> data) {
@@ -57,8 +42,13 @@ Result<Deformer> Deformer::create(gl::Device& device, gl::ShaderLibrary& shaders
     return Deformer(device, shaders, std::move(*copy));
 }
 
-Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& planes, gl::StageStats& stats,
-                             std::size_t& applied) {
+Result<void> Deformer::apply(std::span<const DeformStamp> stamps, std::span<const DeformTarget> targets,
+                             gl::StageStats& stats, std::size_t& applied) {
+    TexelRect held_by_all;
+    for (const DeformTarget& target : targets) {
+        held_by_all = bounds_of(held_by_all, target.planes->held());
+        TILTH_EXPECTS(target.planes->precision() == targets.front().planes->precision(), "targets differ in precision");
+    }
     // A shape that the GPU cannot hold stops the list at its stamp, not at the pass that the stamp would have shared.
     Result<void> held;
     std::vector<StampParams> list;
@@ -71,14 +61,14 @@ Result<void> Deformer::apply(std::span<const DeformStamp> stamps, HeightPlanes& 
         }
         list.push_back(stamp.prepared.params);
         list.back().table = *place;
-        traits.push_back({intersection(stamp.prepared.rect(), planes.rect()),
+        traits.push_back({intersection(stamp.prepared.rect(), held_by_all),
                           stamp.prepared.reads_own_texel_only() && !stamp.may_saturate});
     }
     applied = 0;
     for (const StampBatch& batch : plan_batches(traits)) {
         applied = batch.first;
         const auto of_batch = std::span(list).subspan(batch.first, batch.count);
-        if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), of_batch, planes, stats);
+        if (const Result<void> ran = run(batch, stamps.subspan(batch.first, batch.count), of_batch, targets, stats);
             !ran)
             return ran.error();
     }
@@ -93,38 +83,78 @@ Result<void> Deformer::reload() {
     return result;
 }
 
+Deformer::ScratchPlan Deformer::plan(const StampBatch& batch, std::span<const DeformTarget> targets, Part part) {
+    std::int32_t side = kScratchTexels;
+    for (const DeformTarget& target : targets)
+        side = std::max({side, target.planes->rect().width(), target.planes->rect().depth()});
+    Shelves shelves(side, side, kScratchAlign);
+    ScratchPlan plan;
+    const HeightPlanes* last = nullptr;
+    for (const DeformTarget& target : targets) {
+        const TexelRect held = part == Part::Whole ? target.planes->held()
+                                                   : intersection(target.counted, target.planes->held());
+        for (const StampBlock& block : batch.blocks) {
+            const TexelRect rect = intersection(block.rect, held);
+            if (rect.empty()) continue;
+            const Shelves::Spot spot = shelves.add(rect.width(), rect.depth());
+            const auto pass = static_cast<std::size_t>(spot.pass);
+            if (pass >= plan.passes.size()) plan.passes.resize(pass + 1), last = nullptr;
+            if (last != target.planes) plan.passes[pass].push_back({target.planes, {}}), last = target.planes;
+            plan.passes[pass].back().rects.push_back({spot.x,
+                                                      spot.z,
+                                                      spot.x + rect.width(),
+                                                      spot.z + rect.depth(),
+                                                      {rect.min.x - spot.x, rect.min.z - spot.z,
+                                                       static_cast<std::int32_t>(block.first),
+                                                       static_cast<std::int32_t>(block.count)}});
+        }
+    }
+    plan.width = shelves.width(), plan.depth = shelves.depth();
+    return plan;
+}
+
 Result<void> Deformer::run(const StampBatch& batch, std::span<const DeformStamp> stamps,
-                           std::span<const StampParams> list, HeightPlanes& planes, gl::StageStats& stats) {
+                           std::span<const StampParams> list, std::span<const DeformTarget> targets,
+                           gl::StageStats& stats) {
+    const HeightPlanes& first = *targets.front().planes;
     Variant variant{
-        .bits16 = planes.precision() == HeightPrecision::bits16, .only_add = true, .one_stamp = stamps.size() == 1};
+        .bits16 = first.precision() == HeightPrecision::bits16, .only_add = true, .one_stamp = stamps.size() == 1};
     for (const DeformStamp& stamp : stamps) {
         (stamp.prepared.shape->is_image ? variant.images : variant.profiles) = true;
         variant.only_add = variant.only_add && stamp.prepared.rule() == StampRule::Add;
         variant.smooth = variant.smooth || !stamp.prepared.reads_own_texel_only();
     }
-    const std::vector<gl::PassRect> rects = placed(batch);
-    std::int32_t width = 0, height = 0;
-    for (const gl::PassRect& rect : rects) {
-        width = std::max(width, rect.max_x);
-        height = std::max(height, rect.max_z);
-    }
-    if (const Result<void> reserved = reserve_scratch(width, height, planes); !reserved) return reserved.error();
+    const ScratchPlan parts = plan(batch, targets, Part::Whole);
+    if (parts.passes.empty()) return {};
+    if (const Result<void> reserved = reserve_scratch(parts.width, parts.depth, first.targets().size()); !reserved)
+        return reserved.error();
     if (!variant.one_stamp)
         if (const Result<void> uploaded = upload_lists(list, batch, stats); !uploaded) return uploaded.error();
     // Everything that can fail comes before the counting, so that a stamp that is tried again is counted once.
     if (const Result<gl::TexelPass*> pass = pass_for(variant, stats); !pass) return pass.error();
     if (variant.one_stamp && stamps.front().may_saturate)
-        if (const Result<void> counted = count_saturated(variant, list, rects, planes, stats); !counted)
+        if (const Result<void> counted = count_saturated(variant, list, plan(batch, targets, Part::Counted), stats);
+            !counted)
             return counted.error();
-    if (const Result<void> drawn = draw(variant, list, rects, planes, stats); !drawn) return drawn.error();
-
-    std::vector<gl::CopyRect> copies;
-    copies.reserve(rects.size());
-    for (const gl::PassRect& r : rects)
-        copies.push_back({{r.min_x, r.min_z, r.max_x, r.max_z}, r.min_x + r.payload[0], r.min_z + r.payload[1]});
-    const std::vector<const gl::Texture2D*> targets = planes.targets();
-    for (std::size_t p = 0; p < targets.size(); ++p) copy_.run(scratch_[p], *targets[p], copies);
+    for (const ScratchPass& pass : parts.passes) {
+        if (const Result<void> drawn = draw(variant, list, pass, stats); !drawn) return drawn.error();
+        copy_back(pass);
+    }
     return {};
+}
+
+void Deformer::copy_back(const ScratchPass& parts) {
+    std::vector<gl::CopyRect> copies;
+    for (std::size_t p = 0; p < parts.front().planes->targets().size(); ++p)
+        for (const TargetDraw& part : parts) {
+            const Texel origin = part.planes->origin();
+            copies.clear();
+            for (const gl::PassRect& r : part.rects)
+                copies.push_back({{r.min_x, r.min_z, r.max_x, r.max_z},
+                                  r.min_x + r.payload[0] - origin.x,
+                                  r.min_z + r.payload[1] - origin.z});
+            copy_.run(scratch_[p], *part.planes->targets()[p], copies);
+        }
 }
 
 Result<void> Deformer::upload_lists(std::span<const StampParams> list, const StampBatch& batch, gl::StageStats& stats) {
@@ -138,8 +168,8 @@ Result<void> Deformer::upload_lists(std::span<const StampParams> list, const Sta
     return put(order_, *device_, "stamp order", gl::Format::R32UI, batch.order.size(), order_bytes);
 }
 
-Result<void> Deformer::reserve_scratch(std::int32_t width, std::int32_t height, const HeightPlanes& planes) {
-    const std::size_t wanted = planes.targets().size();
+Result<void> Deformer::reserve_scratch(std::int32_t width, std::int32_t height, std::size_t planes) {
+    const std::size_t wanted = std::max(planes, scratch_.size());
     if (scratch_.size() >= wanted && scratch_.front().width() >= width && scratch_.front().height() >= height)
         return {};
     if (!scratch_.empty()) {
@@ -186,38 +216,47 @@ Result<gl::TexelPass*> Deformer::pass_for(const Variant& variant, gl::StageStats
     return passes_.emplace(variant, std::make_unique<gl::TexelPass>(std::move(*pass))).first->second.get();
 }
 
-Result<void> Deformer::draw(const Variant& variant, std::span<const StampParams> list,
-                            std::span<const gl::PassRect> rects, HeightPlanes& planes, gl::StageStats& stats) {
-    Result<gl::TexelPass*> pass = pass_for(variant, stats);
-    if (!pass) return pass.error();
+Result<void> Deformer::draw(const Variant& variant, std::span<const StampParams> list, const ScratchPass& parts,
+                            gl::StageStats& stats) {
+    Result<gl::TexelPass*> found = pass_for(variant, stats);
+    if (!found) return found.error();
+    gl::TexelPass& pass = **found;
     std::vector<const gl::Texture2D*> targets;
-    for (std::size_t p = 0; p < planes.targets().size(); ++p) targets.push_back(&scratch_[p]);
-    (*pass)->run(targets, 0, rects, stats, [&](gl::Program& program) {
-        planes.high().bind(kHigh);
-        planes.low().bind(kLow);
-        atlas_.texture().bind(kWeights);
-        if (variant.one_stamp) {
-            std::array<std::int32_t, sizeof(StampParams) / sizeof(std::int32_t)> words;
-            std::memcpy(words.data(), list.data(), sizeof(StampParams));
-            program.set_ivec4s(program.uniform("u_stamp"), words);
-        } else {
-            stamps_->bind(kStamps);
-            order_->bind(kOrder);
-        }
-        program.set(program.uniform("u_last_texel"), planes.rect().max.x - 1, planes.rect().max.z - 1);
-    });
+    for (std::size_t p = 0; p < parts.front().planes->targets().size(); ++p) targets.push_back(&scratch_[p]);
+    pass.begin(targets, 0, stats);
+    gl::Program& program = pass.program();
+    atlas_.texture().bind(kWeights);
+    if (variant.one_stamp) {
+        std::array<std::int32_t, sizeof(StampParams) / sizeof(std::int32_t)> words;
+        std::memcpy(words.data(), list.data(), sizeof(StampParams));
+        program.set_ivec4s(program.uniform("u_stamp"), words);
+    } else {
+        stamps_->bind(kStamps);
+        order_->bind(kOrder);
+    }
+    for (const TargetDraw& part : parts) {
+        const TexelRect held = part.planes->held();
+        part.planes->high().bind(kHigh);
+        part.planes->low().bind(kLow);
+        program.set(program.uniform("u_origin"), part.planes->origin().x, part.planes->origin().z);
+        program.set(program.uniform("u_first_held"), held.min.x, held.min.z);
+        program.set(program.uniform("u_last_held"), held.max.x - 1, held.max.z - 1);
+        pass.draw(part.rects, stats);
+    }
     return {};
 }
 
-Result<void> Deformer::count_saturated(Variant variant, std::span<const StampParams> list,
-                                       std::span<const gl::PassRect> rects, HeightPlanes& planes,
+Result<void> Deformer::count_saturated(Variant variant, std::span<const StampParams> list, const ScratchPlan& parts,
                                        gl::StageStats& stats) {
+    if (parts.passes.empty()) return {};
     variant.count = true;
     Result<gl::Query> query = gl::Query::create(*device_, "saturated texels", gl::QueryKind::SamplesPassed);
     if (!query) return query.error();
-    gl::StageStats counting;  // a pass that writes nothing anybody reads: its texels are not counted as written
+    gl::StageStats counting;  // passes that write nothing anybody reads: their texels are not counted as written
+    Result<void> drawn;
     query->begin();
-    const Result<void> drawn = draw(variant, list, rects, planes, counting);
+    for (const ScratchPass& pass : parts.passes)
+        if (drawn) drawn = draw(variant, list, pass, counting);
     query->end();
     if (!drawn) return drawn.error();
     stats.passes += counting.passes, stats.draws += counting.draws, stats.programs += counting.programs;

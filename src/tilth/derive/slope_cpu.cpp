@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -26,34 +27,39 @@ std::uint16_t half_of(float value) {
 
 }  // namespace
 
-Slope slope_at(const HeightField& heights, Texel post, const SlopeSettings& settings) {
-    const std::int32_t last_x = heights.width() - 1, last_z = heights.depth() - 1;
+Slope slope_at(const CodeView& codes, const TexelRect& map, Texel texel, const SlopeSettings& settings) {
     const bool fourth = settings.stencil == SlopeStencil::Fourth;
     const auto per_m = static_cast<float>(settings.code_quantum_m / settings.spacing_m);
-    const std::uint32_t* row = heights.row(post.z);
-    const auto along_x = [&](std::int32_t step) { return row[std::clamp(post.x + step, 0, last_x)]; };
-    const auto along_z = [&](std::int32_t step) { return heights.row(std::clamp(post.z + step, 0, last_z))[post.x]; };
-    return {shared::slope_along(along_x(-2), along_x(-1), along_x(1), along_x(2), post.x, last_x, fourth, per_m),
-            shared::slope_along(along_z(-2), along_z(-1), along_z(1), along_z(2), post.z, last_z, fourth, per_m)};
+    const TexelRect held = intersection(codes.rect, map);
+    const auto along_x = [&](std::int32_t step) {
+        return codes.code({std::clamp(texel.x + step, held.min.x, held.max.x - 1), texel.z});
+    };
+    const auto along_z = [&](std::int32_t step) {
+        return codes.code({texel.x, std::clamp(texel.z + step, held.min.z, held.max.z - 1)});
+    };
+    return {shared::slope_along(along_x(-2), along_x(-1), along_x(1), along_x(2), texel.x - map.min.x,
+                                map.width() - 1, fourth, per_m),
+            shared::slope_along(along_z(-2), along_z(-1), along_z(1), along_z(2), texel.z - map.min.z,
+                                map.depth() - 1, fourth, per_m)};
 }
 
 namespace {
 
-/// Slopes of a run of posts of one row, x and z components apart.
+/// Slopes of a run of texels of one row, x and z components apart.
 struct SlopeRow {
     std::vector<float> x, z;
 };
 
-/// The run's posts whose whole stencil lies in the map: the loop that the compiler vectorises.
+/// The run's texels whose whole stencil lies in the view: the loop that the compiler vectorises.
 template <bool Fourth>
-void inner_slopes(const HeightField& heights, Texel first, std::int32_t count, float per_m, float* __restrict out_x,
+void inner_slopes(const CodeView& codes, Texel first, std::int32_t count, float per_m, float* __restrict out_x,
                   float* __restrict out_z) {
     constexpr std::int32_t kReach = Fourth ? 2 : 1;
-    const std::uint32_t* here = heights.row(first.z) + first.x;
-    const std::uint32_t* before = heights.row(first.z - 1) + first.x;
-    const std::uint32_t* after = heights.row(first.z + 1) + first.x;
-    const std::uint32_t* before2 = heights.row(first.z - kReach) + first.x;
-    const std::uint32_t* after2 = heights.row(first.z + kReach) + first.x;
+    const std::uint32_t* here = codes.at(first);
+    const std::uint32_t* before = codes.at({first.x, first.z - 1});
+    const std::uint32_t* after = codes.at({first.x, first.z + 1});
+    const std::uint32_t* before2 = codes.at({first.x, first.z - kReach});
+    const std::uint32_t* after2 = codes.at({first.x, first.z + kReach});
     for (std::int32_t i = 0; i < count; ++i) {
         out_x[i] = shared::slope_along(here[i - kReach], here[i - 1], here[i + 1], here[i + kReach], kReach, 2 * kReach,
                                        Fourth, per_m);
@@ -61,24 +67,25 @@ void inner_slopes(const HeightField& heights, Texel first, std::int32_t count, f
     }
 }
 
-/// Slopes of the posts [min_x, max_x) of row `z`.
-void slopes_of_row(const HeightField& heights, std::int32_t z, std::int32_t min_x, std::int32_t max_x,
+/// Slopes of the texels [min_x, max_x) of row `z`.
+void slopes_of_row(const CodeView& codes, const TexelRect& map, std::int32_t z, std::int32_t min_x, std::int32_t max_x,
                    const SlopeSettings& settings, SlopeRow& out) {
     out.x.resize(static_cast<std::size_t>(max_x - min_x));
     out.z.resize(out.x.size());
-    const std::int32_t reach = stencil_reach(settings.stencil);
+    const TexelRect inner_texels = expanded(intersection(codes.rect, map), -stencil_reach(settings.stencil));
     std::int32_t inner_min = max_x, inner_max = max_x;
-    if (z >= reach && z < heights.depth() - reach) {
-        inner_min = std::min(std::max(min_x, reach), max_x);
-        inner_max = std::max(std::min(max_x, heights.width() - reach), inner_min);
+    if (z >= inner_texels.min.z && z < inner_texels.max.z) {
+        inner_min = std::min(std::max(min_x, inner_texels.min.x), max_x);
+        inner_max = std::max(std::min(max_x, inner_texels.max.x), inner_min);
         const auto per_m = static_cast<float>(settings.code_quantum_m / settings.spacing_m);
         const auto inner = settings.stencil == SlopeStencil::Fourth ? inner_slopes<true> : inner_slopes<false>;
-        inner(heights, {inner_min, z}, inner_max - inner_min, per_m, out.x.data() + (inner_min - min_x),
-              out.z.data() + (inner_min - min_x));
+        if (inner_min < inner_max)
+            inner(codes, {inner_min, z}, inner_max - inner_min, per_m, out.x.data() + (inner_min - min_x),
+                  out.z.data() + (inner_min - min_x));
     }
     const auto at_border = [&](std::int32_t from, std::int32_t to) {
         for (std::int32_t x = from; x < to; ++x) {
-            const Slope slope = slope_at(heights, {x, z}, settings);
+            const Slope slope = slope_at(codes, map, {x, z}, settings);
             out.x[static_cast<std::size_t>(x - min_x)] = slope.x;
             out.z[static_cast<std::size_t>(x - min_x)] = slope.z;
         }
@@ -105,31 +112,29 @@ void store(const SlopeRow& row, std::uint16_t* out) {  // half floats
     }
 }
 
-/// Slopes of a rectangle of posts as the map stores them: two components of one or two bytes to a post.
+/// Slopes of a rectangle of texels as the map stores them: two components of one or two bytes to a texel.
 template <class Component>
-std::vector<Component> stored_slopes(const TexelRect& posts, const HeightField& heights,
-                                     const SlopeSettings& settings) {
-    const std::size_t row_components = 2 * static_cast<std::size_t>(posts.width());
-    std::vector<Component> stored(row_components * static_cast<std::size_t>(posts.depth()));
+void store_rect(const TexelRect& texels, const CodeView& codes, const TexelRect& map, const SlopeSettings& settings,
+                Component* out) {
     SlopeRow row;
-    for (std::int32_t z = posts.min.z; z < posts.max.z; ++z) {
-        slopes_of_row(heights, z, posts.min.x, posts.max.x, settings, row);
-        store(row, stored.data() + static_cast<std::size_t>(z - posts.min.z) * row_components);
+    for (std::int32_t z = texels.min.z; z < texels.max.z; ++z, out += 2 * static_cast<std::size_t>(texels.width())) {
+        slopes_of_row(codes, map, z, texels.min.x, texels.max.x, settings, row);
+        store(row, out);
     }
-    return stored;
 }
 
-/// Those of them that a mip level has: every 2^level-th post of the map.
+/// Those of them that a mip level has: every 2^level-th texel of the slope map. `stored` are the slopes of `from`, both
+/// rectangles in texels of their level.
 template <class Component>
-std::vector<Component> sub_sampled(const std::vector<Component>& stored, const TexelRect& posts,
-                                   const TexelRect& texels, std::int32_t level) {
+std::vector<Component> sub_sampled(const std::vector<Component>& stored, const TexelRect& from, const TexelRect& texels,
+                                   std::int32_t level) {
     std::vector<Component> out;
     out.reserve(2 * static_cast<std::size_t>(texels.count()));
     for (std::int32_t z = texels.min.z; z < texels.max.z; ++z)
         for (std::int32_t x = texels.min.x; x < texels.max.x; ++x) {
             const std::size_t at =
-                2 * (static_cast<std::size_t>((z << level) - posts.min.z) * static_cast<std::size_t>(posts.width()) +
-                     static_cast<std::size_t>((x << level) - posts.min.x));
+                2 * (static_cast<std::size_t>((z << level) - from.min.z) * static_cast<std::size_t>(from.width()) +
+                     static_cast<std::size_t>((x << level) - from.min.x));
             out.push_back(stored[at]);
             out.push_back(stored[at + 1]);
         }
@@ -137,14 +142,18 @@ std::vector<Component> sub_sampled(const std::vector<Component>& stored, const T
 }
 
 template <class Component>
-void upload_rect(const TexelRect& posts, const HeightField& heights, const SlopeSettings& settings, SlopeMap& slopes,
-                 gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
-    const std::vector<Component> stored = stored_slopes<Component>(posts, heights, settings);
-    for (std::int32_t level = 0; level < SlopeMap::kLevels; ++level) {
-        const TexelRect texels = mip_texels(posts, level);
+void upload_rect(const TexelRect& stale, const CodeView& codes, const TexelRect& map, const SlopeSettings& settings,
+                 SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
+    std::vector<Component> stored(2 * static_cast<std::size_t>(stale.count()));
+    store_rect(stale, codes, map, settings, stored.data());
+    const Texel origin = slopes.origin();
+    const TexelRect from{{stale.min.x - origin.x, stale.min.z - origin.z},
+                         {stale.max.x - origin.x, stale.max.z - origin.z}};
+    for (std::int32_t level = 0; level < slopes.levels(); ++level) {
+        const TexelRect texels = mip_texels(from, level);
         if (texels.empty()) continue;
         slopes.texture().upload(level, gl_rect(texels),
-                                level == 0 ? stored.data() : sub_sampled(stored, posts, texels, level).data());
+                                level == 0 ? stored.data() : sub_sampled(stored, from, texels, level).data());
         const auto moved = 2 * sizeof(Component) * static_cast<std::uint64_t>(texels.count());
         gl::StageStats& stage = level == 0 ? derive : mips;
         stage.texels += static_cast<std::uint64_t>(texels.count());
@@ -155,12 +164,26 @@ void upload_rect(const TexelRect& posts, const HeightField& heights, const Slope
 
 }  // namespace
 
-void upload_slopes(std::span<const TexelRect> changed, const HeightField& heights, const SlopeSettings& settings,
-                   SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips, gl::TransferStats& transfer) {
+void store_slopes(const TexelRect& texels, const CodeView& codes, const TexelRect& map, const SlopeSettings& settings,
+                  SlopeFormat format, void* out) {
+    if (format == SlopeFormat::rg16f)
+        store_rect(texels, codes, map, settings, static_cast<std::uint16_t*>(out));
+    else
+        store_rect(texels, codes, map, settings, static_cast<std::uint8_t*>(out));
+}
+
+void upload_slopes(std::span<const TexelRect> changed, const CodeView& codes, const TexelRect& map,
+                   const SlopeSettings& settings, SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips,
+                   gl::TransferStats& transfer) {
+    const TexelRect held = intersection(slopes.rect(), map);
     std::vector<TexelRect> stale;
-    for (const TexelRect& rect : changed) stale.push_back(stale_slopes(rect, heights.rect(), settings.stencil));
+    for (const TexelRect& rect : changed)
+        stale.push_back(stale_slopes(intersection(rect, held), held, settings.stencil));
     const auto upload = slopes.format() == SlopeFormat::rg16f ? upload_rect<std::uint16_t> : upload_rect<std::uint8_t>;
-    for (const TexelRect& posts : disjoint(stale)) upload(posts, heights, settings, slopes, derive, mips, transfer);
+    for (const TexelRect& texels : disjoint(stale)) {
+        TILTH_EXPECTS(intersection(texels, codes.rect) == texels, "slopes of texels that the view does not cover");
+        upload(texels, codes, map, settings, slopes, derive, mips, transfer);
+    }
 }
 
 }  // namespace tilth

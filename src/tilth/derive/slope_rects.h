@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <vector>
 
-#include "tilth/world/texel.h"
+#include "tilth/world/texel_rects.h"
 
 namespace tilth {
 
@@ -28,10 +26,5 @@ constexpr TexelRect mip_texels(const TexelRect& posts, std::int32_t level) {
     const auto up = [level](std::int32_t post) { return (post + (1 << level) - 1) >> level; };
     return {{up(posts.min.x), up(posts.min.z)}, {up(posts.max.x), up(posts.max.z)}};
 }
-
-/// Disjoint rectangles that cover the same texels as `rects`, so that no slope is computed twice when stamps overlap.
-/// Cost: grows with the square of the number of rectangles that overlap; beyond 256 rectangles their bounds per 64 x 64
-/// block are taken instead, which may add texels of those blocks but never lose one.
-std::vector<TexelRect> disjoint(std::span<const TexelRect> rects);
 
 }  // namespace tilth

@@ -56,6 +56,31 @@ Result<Buffer> Buffer::create(Device& device, std::string_view label, std::size_
     return buffer;
 }
 
+Result<Buffer> Buffer::create_persistent(Device& device, std::string_view label, std::size_t bytes) {
+    if (!device.capabilities().buffer_storage)
+        return Error{ErrorCode::Unsupported,
+                     text("buffer \"", label, "\": ", device.capabilities().renderer,
+                          " has no GL_ARB_buffer_storage and cannot map persistently; map it for each use")};
+    constexpr GLbitfield access = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    const Api& gl = device.gl();
+    device.set_aside_errors();
+    Buffer buffer;
+    buffer.bytes_ = bytes;
+    GLuint id = 0;
+    gl.GenBuffers(1, &id);
+    gl.BindBuffer(GL_COPY_WRITE_BUFFER, id);
+    gl.BufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, access);
+    device.add_live(ObjectKind::Buffer, id, bytes, label);
+    buffer.handle_ = detail::Handle(device, ObjectKind::Buffer, id);
+    if (const unsigned error = device.next_error(); error != GL_NO_ERROR)
+        return out_of_memory("persistent buffer", label, bytes, error);
+    buffer.mapped_ =
+        static_cast<std::byte*>(gl.MapBufferRange(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), access));
+    if (buffer.mapped_ == nullptr) return out_of_memory("mapping of buffer", label, bytes, device.next_error());
+    device.label(GL_BUFFER, id, label);
+    return buffer;
+}
+
 void Buffer::upload(std::size_t offset_bytes, std::span<const std::byte> data) {
     TILTH_EXPECTS(offset_bytes + data.size() <= bytes_, "upload beyond the end of the buffer");
     const Api& gl = handle_.gl();

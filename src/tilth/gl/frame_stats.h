@@ -37,17 +37,39 @@ struct TransferStats {
     friend bool operator==(const TransferStats&, const TransferStats&) = default;
 };
 
+/// What the tile cache did.
+struct CacheStats {
+    std::uint64_t loads = 0;           ///< tiles whose codes came from the store
+    std::uint64_t saves = 0;           ///< tiles written to the store
+    std::uint64_t evictions = 0;       ///< tiles that gave their textures up
+    std::uint64_t rescues = 0;         ///< tiles on their way out that were wanted again in time
+    std::uint64_t cancelled = 0;       ///< loads given up before the store began with them
+    std::uint64_t failures = 0;        ///< requests that the store refused, retries included
+    std::uint64_t late_stamps = 0;     ///< stamps applied to a tile that arrived after them
+    std::uint64_t missing_active = 0;  ///< tiles that a frame should have sampled and that were not resident, summed
+    double transfer_ms = 0;            ///< wall time of the calling thread, spent on filling tiles
+
+    CacheStats& operator+=(const CacheStats& other) {
+        loads += other.loads, saves += other.saves, evictions += other.evictions, rescues += other.rescues;
+        cancelled += other.cancelled, failures += other.failures, late_stamps += other.late_stamps;
+        missing_active += other.missing_active, transfer_ms += other.transfer_ms;
+        return *this;
+    }
+    friend bool operator==(const CacheStats&, const CacheStats&) = default;
+};
+
 /// One frame, or the sum of many.
 struct FrameStats {
     StageStats deform, derive, mips, render;
     TransferStats transfer;
+    CacheStats cache;
 
     [[nodiscard]] std::uint64_t fallbacks() const {
         return deform.fallbacks + derive.fallbacks + mips.fallbacks + render.fallbacks;
     }
     FrameStats& operator+=(const FrameStats& other) {
         deform += other.deform, derive += other.derive, mips += other.mips, render += other.render;
-        transfer += other.transfer;
+        transfer += other.transfer, cache += other.cache;
         return *this;
     }
     friend bool operator==(const FrameStats&, const FrameStats&) = default;

@@ -117,9 +117,16 @@ public:
     /// Content is undefined unless `initial` points to `bytes` bytes. Fails with OutOfMemory.
     static Result<Buffer> create(Device& device, std::string_view label, std::size_t bytes,
                                  BufferUsage usage = BufferUsage::Static, const void* initial = nullptr);
+    /// A buffer of fixed size whose memory stays mapped for writing (`mapped`) while GL reads from it; what is written
+    /// there is seen by every later command, without a call. The caller knows by a fence that no command still reads
+    /// what it overwrites. `upload`, `replace`, `read` and the other maps are not allowed on it. Fails with Unsupported
+    /// without `Capabilities::buffer_storage`, with OutOfMemory where the driver refuses the memory or the mapping.
+    static Result<Buffer> create_persistent(Device& device, std::string_view label, std::size_t bytes);
 
     [[nodiscard]] unsigned id() const { return handle_.id(); }
     [[nodiscard]] std::size_t bytes() const { return bytes_; }
+    /// All bytes of a persistent buffer; nullptr of any other.
+    [[nodiscard]] std::byte* mapped() const { return mapped_; }
 
     void upload(std::size_t offset_bytes, std::span<const std::byte> data);
     /// Gives the buffer new memory of at least `data` (doubling when it grows) and writes `data` at its start. Does
@@ -144,6 +151,7 @@ private:
     detail::Handle handle_;
     std::size_t bytes_ = 0;
     unsigned usage_ = 0;
+    std::byte* mapped_ = nullptr;  ///< persistently
 };
 
 /// A buffer read by shaders as `samplerBuffer` (or `isamplerBuffer`, ...), texel by texel.

@@ -71,8 +71,8 @@ ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const Te
     ApplyResult result{.rect = rect, .texels = static_cast<std::uint64_t>(rect.count())};
     std::vector<Before> before;  // one or none
     if (!stamp.reads_own_texel_only()) before.emplace_back(rect, map, [&](Texel t) { return field.code(t); });
-    const PageIndex first = DetailField::page_of(rect.min);
-    const PageIndex last = DetailField::page_of({rect.max.x - 1, rect.max.z - 1});
+    const PageIndex first = page_of(rect.min);
+    const PageIndex last = page_of({rect.max.x - 1, rect.max.z - 1});
     for (std::int32_t page_z = first.z; page_z <= last.z; ++page_z)
         for (std::int32_t page_x = first.x; page_x <= last.x; ++page_x) {
             PageCodes& page = field.touch({page_x, page_z});

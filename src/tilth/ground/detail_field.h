@@ -1,42 +1,45 @@
 // The detail map on the CPU: codes in sparse 64 x 64 pages, only where somebody stamped.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <vector>
 
+#include "tilth/ground/page.h"
 #include "tilth/world/height_codec.h"
 #include "tilth/world/texel.h"
 
 namespace tilth {
 
-inline constexpr std::int32_t kPageTexels = 64;
-
-/// A page by its place in the whole detail map: texels [64 x, 64 x + 64) x [64 z, 64 z + 64).
-struct PageIndex {
-    std::int32_t x = 0, z = 0;
-    friend auto operator<=>(const PageIndex&, const PageIndex&) = default;
-};
-
-/// Codes of one page, row by row, row with +z.
-using PageCodes = std::array<std::uint32_t, std::size_t(kPageTexels) * kPageTexels>;
-
-/// Detail codes of a whole world. Untouched ground is the code 2^31 and costs nothing.
+/// Detail codes of a world, or of the part of it that is in memory. Untouched ground is the code 2^31 and costs
+/// nothing.
+///
+/// Pages can be shared (`pages_in`), for a save in the background say: a shared page is copied before it is written, so
+/// what was handed out never changes. Whoever holds a share gives it back on the thread that writes the field.
 class DetailField {
 public:
-    /// `t` may be negative.
-    [[nodiscard]] static constexpr PageIndex page_of(Texel t) { return {t.x >> 6, t.z >> 6}; }
-
     [[nodiscard]] std::uint32_t code(Texel t) const;
-    /// The page, made if it is not there (all codes 2^31).
+    /// The page for writing, made if it is not there (all codes 2^31).
     PageCodes& touch(PageIndex page);
     /// Nullptr where nothing was ever written.
     [[nodiscard]] const PageCodes* find(PageIndex page) const;
-    [[nodiscard]] const std::map<PageIndex, std::unique_ptr<PageCodes>>& pages() const { return pages_; }
+    /// Takes a page over, in place of what was there.
+    void put(Page page);
+    void erase(PageIndex page) { pages_.erase(page); }
+    [[nodiscard]] const std::map<PageIndex, std::shared_ptr<PageCodes>>& pages() const { return pages_; }
+
+    /// Shares of the pages in `rect`, in the order of (x, z).
+    [[nodiscard]] std::vector<Page> pages_in(const PageRect& rect) const;
+
+    /// Copies the codes of `rect` row by row to `out`, rows `stride` codes apart.
+    void copy(const TexelRect& rect, std::uint32_t* out, std::size_t stride) const;
 
 private:
-    std::map<PageIndex, std::unique_ptr<PageCodes>> pages_;
+    std::map<PageIndex, std::shared_ptr<PageCodes>> pages_;
 };
+
+/// Whether every code of the page is 2^31, as on untouched ground.
+bool is_untouched(const PageCodes& codes);
 
 }  // namespace tilth

@@ -3,13 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 #include "tilth/core/hash.h"
 #include "tilth/ground/cpu_executor.h"
+#include "tilth/ground/detail_hash.h"
 #include "tilth/ground/random_stamps.h"
 #include "tilth/ground/turn.h"
 #include "tilth/source/mirrored_source.h"
+#include "tilth/world/tile_grid.h"
 
 namespace tilth {
 namespace {
@@ -231,29 +234,21 @@ double Ground::original_height_m(Texel post) const {
     return coarse_map_.codec.height_m(coarse_map_.codec.code(source_->height_m(t), settings_.precision));
 }
 
-StateHash Ground::hash() const {
+std::uint64_t Ground::coarse_hash() const {
     StateHasher coarse;
     coarse.add_u32(coarse_.codes());
+    return coarse.digest();
+}
 
+StateHash Ground::hash() const {
     StateHasher detail;
-    const std::int64_t pages_per_tile = settings_.tile_size / kPageTexels;
-    struct Place {
-        std::int64_t tile_z, tile_x, page_z, page_x;
-        const PageCodes* codes;
-        auto operator<=>(const Place&) const = default;
-    };
-    std::vector<Place> places;
-    for (const auto& [page, codes] : detail_.pages()) {
-        if (std::all_of(codes->begin(), codes->end(), [](std::uint32_t code) { return code == kMidCode; })) continue;
-        places.push_back({page.z / pages_per_tile, page.x / pages_per_tile, page.z % pages_per_tile,
-                          page.x % pages_per_tile, codes.get()});
-    }
-    std::sort(places.begin(), places.end());
-    for (const Place& place : places) {
-        for (const std::int64_t index : {place.tile_z, place.tile_x, place.page_z, place.page_x}) detail.add_i64(index);
-        detail.add_u32(*place.codes);
-    }
-    return {coarse.digest(), detail.digest()};
+    const std::int32_t pages_a_tile = settings_.tile_size / kPageTexels;
+    std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Page>> tiles;  // by (z, x)
+    for (const auto& [index, codes] : detail_.pages())
+        tiles[{floor_divide(index.z, pages_a_tile), floor_divide(index.x, pages_a_tile)}].push_back({index, codes});
+    for (auto& [place, pages] : tiles)
+        add_tile_to_hash(detail, {place.second, place.first}, settings_.tile_size, std::move(pages));
+    return {coarse_hash(), detail.digest()};
 }
 
 std::uint64_t Ground::bytes() const {

@@ -93,12 +93,15 @@ public:
     /// the order of (tile z, tile x, page z, page x), each as those four indices in 64 bits, pages counted within the
     /// tile, and its codes. Costs one pass over all codes.
     [[nodiscard]] StateHash hash() const;
+    /// The coarse part alone.
+    [[nodiscard]] std::uint64_t coarse_hash() const;
 
     /// Coarse codes: the base level of everything. In a mirrored world those of the source's own posts.
     [[nodiscard]] const HeightField& coarse() const { return coarse_; }
     [[nodiscard]] const DetailField& detail() const { return detail_; }
     /// For executors and read-backs that write codes themselves.
     [[nodiscard]] HeightField& mutable_coarse() { return coarse_; }
+    [[nodiscard]] DetailField& mutable_detail() { return detail_; }
 
     /// The code of any coarse post of the world, mirrored worlds included. `post` is clamped to the map.
     [[nodiscard]] std::uint32_t coarse_code(Texel post) const;

@@ -11,8 +11,7 @@ namespace tilth {
 /// The two height maps. Ground = coarse + detail.
 enum class MapKind : std::uint8_t { Coarse, Detail };
 
-/// Which map a stamp goes to. `Auto`: coarse from a radius of eight posts on, else detail (where there is one). This
-/// version keeps detail, but does not draw it: ask for `Coarse` where a small stamp is to be seen.
+/// Which map a stamp goes to. `Auto`: coarse from a radius of eight posts on, else detail (where there is one).
 enum class MapChoice : std::uint8_t { Auto, Coarse, Detail };
 
 /// What a stamp does to a texel, w being the profile's or image's weight there.

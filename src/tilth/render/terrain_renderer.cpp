@@ -8,6 +8,7 @@
 #include <span>
 #include <tuple>
 
+#include "tilth/core/checks.h"
 #include "tilth/core/shared_glsl.h"
 #include "tilth/gl/api.h"
 #include "tilth/gl/debug_group.h"
@@ -24,6 +25,7 @@ constexpr std::int32_t kMeshVertices = kBlockQuads + 1;  // a side; terrain.vert
 constexpr int kBlockIndices = kBlockQuads * kBlockQuads * 6;
 constexpr int kStitchIndices = kBlockQuads * 3;  // kBlockQuads / 2 triangles on row 0 and as many on column 0
 constexpr int kHighUnit = 0, kLowUnit = 1, kSlopeUnit = 2, kNodeUnit = 3;
+constexpr int kDetailUnit = 4;  // and the three after it; 8 and up are the host's (shade.glsl)
 
 static_assert(sizeof(DrawnBlock) == 6 * sizeof(std::int32_t), "streamed as it is: three ivec2");
 
@@ -82,19 +84,8 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
         return Error{ErrorCode::InvalidArgument,
                      text("a map to draw has 2 x 2 posts or more and a spacing above 0, not ", map.grid.width, " x ",
                           map.grid.depth, " posts ", map.grid.spacing_m, " m apart")};
-    gl::Features features;
-    if (map.precision == HeightPrecision::bits16) features.emplace_back("BITS16", "1");
-    if (map.mirrored) features.emplace_back("MIRRORED", "1");
-    if (map.slopes == SlopeFormat::rg16f) features.emplace_back("SLOPES_RG16F", "1");
-    std::vector<Shader> by_kind;
-    for (const char* const kind : {"ALL_OWN", "ALL_MORPHING", "ALL_REFINED", ""}) {
-        gl::Features of_kind = features;
-        if (*kind != '\0') of_kind.emplace_back(kind, "1");
-        auto program = shaders.program("terrain", "render/terrain.vert", "render/terrain.frag", of_kind);
-        if (!program) return program.error();
-        const Uniforms uniforms(*program);
-        by_kind.push_back({std::move(*program), uniforms});
-    }
+    auto by_kind = make_shaders(shaders, map, false);
+    if (!by_kind) return by_kind.error();
 
     auto block_array = gl::VertexArray::create(device, "clipmap blocks");
     if (!block_array) return block_array.error();
@@ -111,15 +102,49 @@ Result<TerrainRenderer> TerrainRenderer::create(gl::Device& device, gl::ShaderLi
     auto weights =
         gl::TextureBuffer::create(device, "clipmap refinement", gl::Format::R32F, 1024, gl::BufferUsage::Stream);
     if (!weights) return weights.error();
-    return TerrainRenderer(device, settings, map, std::move(by_kind), std::move(*block_array), std::move(*stitch_array),
-                           std::move(*indices), std::move(*blocks), std::move(*stitches), std::move(*weights));
+    return TerrainRenderer(device, shaders, settings, map, std::move(*by_kind), std::move(*block_array),
+                           std::move(*stitch_array), std::move(*indices), std::move(*blocks), std::move(*stitches),
+                           std::move(*weights));
 }
 
-TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& settings, const MapInfo& map,
-                                 std::vector<Shader> shaders_by_kind, gl::VertexArray block_array,
+Result<std::vector<TerrainRenderer::Shader>> TerrainRenderer::make_shaders(gl::ShaderLibrary& shaders,
+                                                                           const MapInfo& map, bool detail) {
+    gl::Features features;
+    if (map.precision == HeightPrecision::bits16) features.emplace_back("BITS16", "1");
+    if (map.mirrored) features.emplace_back("MIRRORED", "1");
+    if (map.slopes == SlopeFormat::rg16f) features.emplace_back("SLOPES_RG16F", "1");
+    if (detail) features.emplace_back("DETAIL", "1");
+    std::vector<Shader> by_kind;
+    for (const char* const kind : {"ALL_OWN", "ALL_MORPHING", "ALL_REFINED", ""}) {
+        gl::Features of_kind = features;
+        if (*kind != '\0')
+            of_kind.emplace_back(kind, "1");
+        else if (detail)
+            of_kind.emplace_back("DETAIL_WINDOW", "1");
+        auto program = shaders.program(detail ? "terrain with detail" : "terrain", "render/terrain.vert",
+                                       "render/terrain.frag", of_kind);
+        if (!program) return program.error();
+        program->sampler("u_high_plane", kHighUnit);
+        program->sampler("u_low_plane", kLowUnit);
+        program->sampler("u_slopes", kSlopeUnit);
+        program->sampler("u_node_weights", kNodeUnit);
+        if (detail) {
+            int unit = kDetailUnit;
+            for (const char* const tile : {"u_detail", "u_detail_x", "u_detail_z", "u_detail_xz"})
+                program->sampler(tile, unit++);
+        }
+        const Uniforms uniforms(*program);
+        by_kind.push_back({std::move(*program), uniforms});
+    }
+    return by_kind;
+}
+
+TerrainRenderer::TerrainRenderer(gl::Device& device, gl::ShaderLibrary& library, const ClipmapSettings& settings,
+                                 const MapInfo& map, std::vector<Shader> shaders_by_kind, gl::VertexArray block_array,
                                  gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
                                  gl::Buffer stitches, gl::TextureBuffer node_weights)
     : device_(&device),
+      library_(&library),
       settings_(settings),
       map_(map),
       last_post_(map.mirrored ? Texel{MirroredSource::kSide - 1, MirroredSource::kSide - 1}
@@ -135,12 +160,6 @@ TerrainRenderer::TerrainRenderer(gl::Device& device, const ClipmapSettings& sett
     block_array_.index_buffer(indices_);
     describe_instances(stitch_array_, stitch_buffer_);
     stitch_array_.index_buffer(indices_);
-    for (Shader& shader : shaders_) {
-        shader.program.sampler("u_high_plane", kHighUnit);
-        shader.program.sampler("u_low_plane", kLowUnit);
-        shader.program.sampler("u_slopes", kSlopeUnit);
-        shader.program.sampler("u_node_weights", kNodeUnit);
-    }
 }
 
 TerrainRenderer::Uniforms::Uniforms(gl::Program& program)
@@ -172,18 +191,27 @@ TerrainRenderer::Uniforms::Uniforms(gl::Program& program)
       high_colour(program.uniform("u_high_colour")),
       steep_colour(program.uniform("u_steep_colour")),
       cursor_m(program.uniform("u_cursor_m")),
-      cursor_colour(program.uniform("u_cursor_colour")) {}
+      cursor_colour(program.uniform("u_cursor_colour")),
+      detail_base_texels(program.uniform("u_detail_base_texels")),
+      detail_texels_per_m(program.uniform("u_detail_texels_per_m")),
+      detail_apron(program.uniform("u_detail_apron")),
+      detail_stored_size(program.uniform("u_detail_stored_size")),
+      detail_map_edge(program.uniform("u_detail_map_edge")),
+      detail_reach_m(program.uniform("u_detail_reach_m")),
+      detail_tile_texels(program.uniform("u_detail_tile_texels")),
+      detail_window_texels(program.uniform("u_detail_window_texels")) {}
 
 Result<void> TerrainRenderer::reload(gl::ShaderLibrary& shaders) {
     Result<void> result;
-    for (Shader& shader : shaders_)
-        if (Result<void> reloaded = shaders.reload(shader.program); !reloaded) result = std::move(reloaded);
+    for (std::vector<Shader>* const made : {&shaders_, &detail_shaders_})
+        for (Shader& shader : *made)
+            if (Result<void> reloaded = shaders.reload(shader.program); !reloaded) result = std::move(reloaded);
     return result;
 }
 
 Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, const BrushCursor* cursor,
                                    const HeightPlanes& planes, const SlopeMap& slopes, const HeightBounds& bounds,
-                                   gl::StageStats& stats) {
+                                   gl::StageStats& stats, const DetailView* detail) {
     const auto start = std::chrono::steady_clock::now();
     counts_ = {};
     if (view.depth == DepthConvention::Reversed && !device_->capabilities().clip_control)
@@ -193,29 +221,36 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
     const Result<Camera> camera = make_camera(view, map_.grid, map_.codec);
     if (!camera) return camera.error();
     if (!camera->draws) return {};
-    choose_blocks(*camera, bounds);
+    choose_blocks(*camera, bounds, detail);
     if (drawn_.blocks.empty()) return {};
+    const bool with_detail = counts_.detail_blocks > 0;
 
     const gl::DebugGroup group(*device_, "tilth terrain");
     const gl::Api& gl = device_->gl();
     set_state(view);
+    if (with_detail && detail_shaders_.empty())
+        if (Result<void> made = make_detail_programs(stats); !made) return made;
     planes.high().bind(kHighUnit);
     planes.low().bind(kLowUnit);
     slopes.texture().bind(kSlopeUnit);
     if (!refinement_.weights.empty()) node_weights_.replace(std::as_bytes(std::span(refinement_.weights)));
     node_weights_.bind(kNodeUnit);
-    std::array<bool, kKinds> ready{};
-    const auto use = [&](Kind kind) {
+    std::array<bool, 2 * kKinds> ready{};
+    const auto use = [&](Kind kind, DetailSource source) {
         const auto index = static_cast<std::size_t>(kind);
-        shaders_[index].program.bind();
-        if (!ready[index]) set_uniforms(shaders_[index], *camera, shading, cursor, slopes);
-        ready[index] = true;
+        const bool fine = source != DetailSource::None;
+        const Shader& shader = fine ? detail_shaders_[index] : shaders_[index];
+        shader.program.bind();
+        bool& is_ready = ready[index + (fine ? kKinds : 0)];
+        if (!is_ready) set_uniforms(shader, *camera, shading, cursor, slopes);
+        is_ready = true;
+        if (fine) set_detail(shader, *detail, source, *camera);
     };
 
     block_buffer_.replace(std::as_bytes(std::span(drawn_.blocks)));
     std::size_t first = 0;
-    for (const auto& [kind, count] : runs_) {
-        use(kind);
+    for (const auto& [kind, source, count] : runs_) {
+        use(kind, source);
         block_array_.bind();
         describe_instances(block_array_, block_buffer_, first);
         gl.DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(count));
@@ -223,7 +258,7 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
         first += count;
     }
     if (!drawn_.stitches.empty()) {
-        use(Kind::General);
+        use(Kind::General, with_detail ? DetailSource::Window : DetailSource::None);
         gl.Disable(GL_CULL_FACE);   // a triangle without area has no front,
         gl.Enable(GL_DEPTH_CLAMP);  // and where a rasteriser finds a pixel in it, the depth there may be anything:
         gl.DepthFunc(view.depth == DepthConvention::Reversed ? GL_GEQUAL : GL_LEQUAL);  // still before the background
@@ -242,7 +277,36 @@ Result<void> TerrainRenderer::draw(const View& view, const Shading& shading, con
     return {};
 }
 
-void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bounds) {
+Result<void> TerrainRenderer::make_detail_programs(gl::StageStats& stats) {
+    const std::uint64_t linked = library_->programs_linked();
+    auto made = make_shaders(*library_, map_, true);
+    stats.programs += library_->programs_linked() - linked;
+    if (!made) return made.error();
+    const bool bytes = map_.slopes == SlopeFormat::rg8;
+    auto flat = gl::Texture2D::create(
+        *device_, "flat detail", {.format = bytes ? gl::Format::Rg8 : gl::Format::Rg16F, .filter = gl::Filter::Linear});
+    if (!flat) return flat.error();
+    const std::uint8_t of_bytes[] = {128, 128}, of_halves[] = {0, 0, 0, 0};
+    flat->upload(0, flat->bounds(), bytes ? of_bytes : of_halves);
+    flat_ = std::move(*flat);
+    detail_shaders_ = std::move(*made);
+
+    // A block without size, by uniforms that are still 0: a point, no pixel, and a compiled program.
+    const DrawnBlock nothing;
+    block_buffer_.replace(std::as_bytes(std::span(&nothing, 1)));
+    block_array_.bind();
+    describe_instances(block_array_, block_buffer_);
+    for (int unit = kDetailUnit; unit < kDetailUnit + 4; ++unit) flat_->bind(unit);
+    for (const Shader& shader : detail_shaders_) {
+        shader.program.bind();
+        device_->gl().DrawElementsInstanced(GL_TRIANGLES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr, 1);
+        stats.draws += 1;
+    }
+    return {};
+}
+
+void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bounds, const DetailView* detail) {
+    const DetailView* const there = detail != nullptr && !detail->empty() && detail->reach_m > 0 ? detail : nullptr;
     const ClipmapLayout layout = clipmap_layout(settings_, camera.eye_posts, last_post_.x, last_post_.z);
     refinement_ = clipmap_refinement(settings_, layout, camera, {map_.grid, map_.codec, map_.mirrored, bounds});
     drawn_ = drawn_blocks(layout, refinement_, last_post_.x, last_post_.z);
@@ -260,21 +324,35 @@ void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bo
                         std::abs((b.z + b.depth * 0.5) * unit - camera.eye_posts.z));
     };
     const auto order = [&](const DrawnBlock& drawn) {
-        return std::tuple(drawn.base_level, kind_of(drawn, camera), distance(drawn.block));
+        const Run run = run_of(drawn, camera, there);
+        return std::tuple(drawn.base_level, run.kind, run.detail, distance(drawn.block));
     };
     std::stable_sort(drawn_.blocks.begin(), drawn_.blocks.end(),
                      [&](const DrawnBlock& a, const DrawnBlock& b) { return order(a) < order(b); });
     runs_.clear();
     for (const DrawnBlock& drawn : drawn_.blocks) {
-        const Kind kind = kind_of(drawn, camera);
-        if (runs_.empty() || runs_.back().first != kind) runs_.emplace_back(kind, 0);
-        ++runs_.back().second;
+        const Run run = run_of(drawn, camera, there);
+        if (runs_.empty() || runs_.back().kind != run.kind || runs_.back().detail != run.detail) runs_.push_back(run);
+        ++runs_.back().count;
+        if (run.detail != DetailSource::None) ++counts_.detail_blocks;
     }
     counts_.blocks = static_cast<std::uint32_t>(drawn_.blocks.size());
     counts_.refined_blocks = static_cast<std::uint32_t>(
         std::count_if(drawn_.blocks.begin(), drawn_.blocks.end(),
                       [](const DrawnBlock& drawn) { return drawn.base_level != drawn.block.level; }));
     counts_.stitches = static_cast<std::uint32_t>(drawn_.stitches.size());
+}
+
+TerrainRenderer::Run TerrainRenderer::run_of(const DrawnBlock& drawn, const Camera& camera,
+                                             const DetailView* detail) const {
+    const Kind kind = kind_of(drawn, camera);
+    if (detail == nullptr) return {kind};
+    const ClipmapBlock& b = drawn.block;
+    const DetailSource source =
+        detail_source(*detail, {post_of(b.x, b.level, last_post_.x), post_of(b.z, b.level, last_post_.z)},
+                      {post_of(b.x + b.width, b.level, last_post_.x), post_of(b.z + b.depth, b.level, last_post_.z)},
+                      map_.grid, camera);
+    return {source == DetailSource::Window ? Kind::General : kind, source};
 }
 
 TerrainRenderer::Kind TerrainRenderer::kind_of(const DrawnBlock& drawn, const Camera& camera) const {
@@ -393,6 +471,39 @@ void TerrainRenderer::set_uniforms(const Shader& shader, const Camera& camera, c
     } else {
         program.set(u.cursor_m, 0.0f, 0.0f, 0.0f);
     }
+}
+
+void TerrainRenderer::set_detail(const Shader& shader, const DetailView& detail, DetailSource source,
+                                 const Camera& camera) const {
+    TileIndex origin = detail.window.min;
+    const auto bind = [&](std::size_t slot, int unit) {
+        const gl::Texture2D* const tile = detail.slopes[slot];
+        TILTH_EXPECTS(
+            tile == nullptr || (tile->width() == detail.grid.stored_size() &&
+                                tile->height() == detail.grid.stored_size() && tile->format() == flat_->format()),
+            "a detail tile's slopes are stored_size texels a side, in the format of the map's slopes");
+        (tile != nullptr ? *tile : *flat_).bind(unit);
+    };
+    if (source == DetailSource::Window) {
+        for (std::size_t slot = 0; slot < 4; ++slot) bind(slot, kDetailUnit + static_cast<int>(slot));
+    } else {
+        const auto slot = static_cast<std::size_t>(source) - static_cast<std::size_t>(DetailSource::Slot0);
+        bind(slot, kDetailUnit);
+        origin.x += static_cast<std::int32_t>(slot % 2), origin.z += static_cast<std::int32_t>(slot / 2);
+    }
+    const gl::Program& program = shader.program;
+    const Uniforms& u = shader.uniforms;
+    const auto f = [](auto value) { return static_cast<float>(value); };
+    const DetailPlacement at = detail_placement(detail, origin, map_.grid, camera);
+    program.set(u.detail_base_texels, at.base_x, at.base_z);
+    program.set(u.detail_map_edge, at.map_edge[0], at.map_edge[1], at.map_edge[2], at.map_edge[3]);
+    program.set(u.detail_texels_per_m, f(texels_per_post(detail, map_.grid) / map_.grid.spacing_m));
+    program.set(u.detail_apron, f(detail.grid.apron));
+    program.set(u.detail_stored_size, f(detail.grid.stored_size()));
+    program.set(u.detail_reach_m, f(detail.reach_m));
+    program.set(u.detail_tile_texels, f(detail.grid.size));
+    program.set(u.detail_window_texels, f(detail.window.columns() * detail.grid.size),
+                f(detail.window.rows() * detail.grid.size));
 }
 
 }  // namespace tilth

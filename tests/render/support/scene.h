@@ -43,12 +43,39 @@ inline Mountains mountains(std::int32_t size, double relief_m, std::uint64_t see
     return {codec, field_of(*source, codec, precision)};
 }
 
+/// Slopes as a texture holds them.
+class SlopeTexels {
+public:
+    explicit SlopeTexels(SlopeFormat format) : format_(format) {}
+    void add(float sx, float sz) {
+        const float length = std::sqrt(sx * sx + sz * sz);
+        for (const float s : {sx, sz}) {
+            if (format_ == SlopeFormat::rg8) {
+                bytes_.push_back(static_cast<std::uint8_t>(shared::slope_byte(s, length)));
+            } else {  // to half, truncated; no denormals
+                int exponent = 0;
+                const float mantissa = std::frexp(std::abs(s), &exponent);
+                const int bits =
+                    s == 0 || exponent < -13 ? 0 : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
+                halves_.push_back(static_cast<std::uint16_t>(bits | (s < 0 ? 0x8000 : 0)));
+            }
+        }
+    }
+    [[nodiscard]] const void* data() const {
+        return format_ == SlopeFormat::rg8 ? static_cast<const void*>(bytes_.data()) : halves_.data();
+    }
+
+private:
+    SlopeFormat format_;
+    std::vector<std::uint8_t> bytes_;
+    std::vector<std::uint16_t> halves_;
+};
+
 /// Slopes by central differences on the CPU, level by level, as pool/slope_map.h says.
 inline void upload_slopes(SlopeMap& slopes, const HeightField& field, float per_m) {
     for (int level = 0; level < slopes.texture().levels(); ++level) {
         const int width = slopes.padded_width() >> level, depth = slopes.padded_depth() >> level;
-        std::vector<std::uint8_t> bytes;
-        std::vector<std::uint16_t> halves;
+        SlopeTexels texels(slopes.format());
         for (int z = 0; z < depth; ++z) {
             for (int x = 0; x < width; ++x) {
                 const auto code = [&](int dx, int dz) {
@@ -60,23 +87,10 @@ inline void upload_slopes(SlopeMap& slopes, const HeightField& field, float per_
                     shared::slope_along(0, code(-1, 0), code(1, 0), 0, px, field.width() - 1, false, per_m);
                 const float sz =
                     shared::slope_along(0, code(0, -1), code(0, 1), 0, pz, field.depth() - 1, false, per_m);
-                const float length = std::sqrt(sx * sx + sz * sz);
-                for (const float s : {sx, sz}) {
-                    if (slopes.format() == SlopeFormat::rg8) {
-                        bytes.push_back(static_cast<std::uint8_t>(shared::slope_byte(s, length)));
-                    } else {  // to half, truncated; no denormals
-                        int exponent = 0;
-                        const float mantissa = std::frexp(std::abs(s), &exponent);
-                        const int bits = s == 0 || exponent < -13
-                                             ? 0
-                                             : ((exponent + 14) << 10) + static_cast<int>(mantissa * 2048) - 1024;
-                        halves.push_back(static_cast<std::uint16_t>(bits | (s < 0 ? 0x8000 : 0)));
-                    }
-                }
+                texels.add(sx, sz);
             }
         }
-        slopes.texture().upload(level, slopes.texture().bounds(level),
-                                bytes.empty() ? static_cast<const void*>(halves.data()) : bytes.data());
+        slopes.texture().upload(level, slopes.texture().bounds(level), texels.data());
     }
 }
 
@@ -112,15 +126,17 @@ public:
         upload_slopes(slopes_, field, static_cast<float>(codec.code_quantum_m() / options.spacing_m));
     }
 
-    Result<void> draw(const View& view, const Shading& shading = {}, const BrushCursor* cursor = nullptr) {
-        return renderer_.draw(view, shading, cursor, planes_, slopes_, bounds_, stats_);
+    Result<void> draw(const View& view, const Shading& shading = {}, const BrushCursor* cursor = nullptr,
+                      const DetailView* detail = nullptr) {
+        return renderer_.draw(view, shading, cursor, planes_, slopes_, bounds_, stats_, detail);
     }
     /// Clears `target` (depth too) and draws; the picture.
     std::vector<std::uint8_t> picture(const Target& target, View view, const Shading& shading = {},
-                                      const BrushCursor* cursor = nullptr, Vec3f clear = {1, 0, 1}) {
+                                      const BrushCursor* cursor = nullptr, Vec3f clear = {1, 0, 1},
+                                      const DetailView* detail = nullptr) {
         view.width = target.width(), view.height = target.height();
         target.clear(clear.x, clear.y, clear.z, view.depth == DepthConvention::Reversed ? 0.0f : 1.0f);
-        const Result<void> drawn = draw(view, shading, cursor);
+        const Result<void> drawn = draw(view, shading, cursor, detail);
         EXPECT_TRUE(drawn) << (drawn ? "" : drawn.error().message);
         return target.pixels();
     }

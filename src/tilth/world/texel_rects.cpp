@@ -1,4 +1,4 @@
-#include "tilth/derive/slope_rects.h"
+#include "tilth/world/texel_rects.h"
 
 #include <map>
 #include <utility>

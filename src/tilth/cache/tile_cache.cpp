@@ -1,0 +1,505 @@
+#include "tilth/cache/tile_cache.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+#include <utility>
+
+#include "tilth/cache/page_runs.h"
+#include "tilth/ground/cpu_executor.h"
+
+namespace tilth {
+namespace {
+
+double clock_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+template <class Visit>
+void for_each(const TileWindow& window, const Visit& visit) {
+    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
+        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) visit(TileIndex{x, z});
+}
+
+template <class Visit>
+void for_each_neighbour(TileIndex of, const Visit& visit) {
+    for_each(TileWindow{{of.x - 1, of.z - 1}, {of.x + 1, of.z + 1}}, [&](TileIndex index) {
+        if (index != of) visit(index);
+    });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TileCache>> TileCache::create(Ground& ground, const TileGrid& grid,
+                                                     std::shared_ptr<TileStore> store, TileTextures& textures,
+                                                     const TileCacheSettings& settings) {
+    TILTH_ASSERT(store != nullptr, "a tile cache needs a store");
+    Result<std::vector<TileIndex>> stored = store->tiles();
+    if (!stored) return stored.error();
+    std::unique_ptr<TileCache> made(new TileCache(ground, grid, std::move(store), textures, settings));
+    for (const TileIndex index : *stored)
+        if (grid.exists(index)) made->tiles_[index].stored = true;
+    return made;
+}
+
+TileCache::TileCache(Ground& ground, const TileGrid& grid, std::shared_ptr<TileStore> store, TileTextures& textures,
+                     const TileCacheSettings& settings)
+    : ground_(ground),
+      field_(ground.mutable_detail()),
+      grid_(grid),
+      textures_(textures),
+      settings_(settings),
+      worker_(std::move(store)) {}
+
+// ---- what there is ----
+
+TileCache::Tile* TileCache::find(TileIndex index) {
+    const auto found = tiles_.find(index);
+    return found == tiles_.end() ? nullptr : &found->second;
+}
+const TileCache::Tile* TileCache::find(TileIndex index) const {
+    const auto found = tiles_.find(index);
+    return found == tiles_.end() ? nullptr : &found->second;
+}
+
+bool TileCache::is_hot(TileIndex index) const {
+    const Tile* tile = find(index);
+    return tile != nullptr && tile->hot;
+}
+
+/// Of a hot tile, or a guest: at its cold owner's border, beside a hot tile.
+bool TileCache::is_hot(PageIndex page) const {
+    const std::int32_t a_side = grid_.size / kPageTexels;
+    const TileIndex owner{floor_divide(page.x, a_side), floor_divide(page.z, a_side)};
+    if (is_hot(owner)) return true;
+    const std::int32_t x = page.x - owner.x * a_side, z = page.z - owner.z * a_side;
+    for (std::int32_t dz = z == 0 ? -1 : 0; dz <= (z == a_side - 1 ? 1 : 0); ++dz)
+        for (std::int32_t dx = x == 0 ? -1 : 0; dx <= (x == a_side - 1 ? 1 : 0); ++dx)
+            if (is_hot(TileIndex{owner.x + dx, owner.z + dz})) return true;
+    return false;
+}
+
+bool TileCache::on_gpu(const Tile& tile) const { return settings_.gpu_executor && tile.current; }
+
+Interest TileCache::interest(TileIndex index) const { return interest_in(index, viewers_); }
+
+bool TileCache::held(TileIndex index) const {
+    return required_.contains(index) || awaited_.contains(index) || crowded_.contains(index);
+}
+
+TileState TileCache::state(TileIndex index) const {
+    const Tile* tile = find(index);
+    return tile == nullptr ? TileState::Absent : tile->state;
+}
+
+bool TileCache::can_be_drawn(TileIndex index) const {
+    const Tile* tile = find(index);
+    return tile != nullptr && tile->current;
+}
+
+std::vector<CachedTile> TileCache::tiles() const {
+    std::vector<CachedTile> all;
+    for (const auto& [index, tile] : tiles_)
+        all.push_back({index, tile.state, interest(index), tile.modified, tile.pending.size()});
+    return all;
+}
+
+std::vector<CachedArrival> TileCache::take_arrivals() { return std::exchange(arrivals_, {}); }
+std::vector<Error> TileCache::take_errors() { return std::exchange(errors_, {}); }
+
+std::uint64_t TileCache::waiting_bytes() const {
+    std::uint64_t sum = 0;
+    for (const auto& [index, tile] : tiles_) {
+        sum += tile.pending.size() * sizeof(StampRecord);
+        if (tile.arriving) sum += tile.arriving->pages().size() * sizeof(PageCodes);
+    }
+    return sum;
+}
+
+std::vector<TileIndex> TileCache::by_nearness() const {
+    std::vector<std::tuple<int, std::int32_t, TileIndex>> order;
+    for (const TileIndex index : live_)
+        order.emplace_back(-static_cast<int>(interest(index)), tiles_away(index, viewers_), index);
+    std::sort(order.begin(), order.end());
+    std::vector<TileIndex> sorted;
+    for (const auto& [rank, distance, index] : order) sorted.push_back(index);
+    return sorted;
+}
+
+// ---- a frame ----
+
+void TileCache::set_viewers(std::span<const WorldPos> viewers) {
+    viewers_.clear();
+    viewer_texels_.clear();
+    for (const WorldPos& at : viewers) {
+        viewer_texels_.push_back(ground_.map(MapKind::Detail).grid.posts(at));
+        viewers_.push_back(tiles_of_viewer(grid_, viewer_texels_.back(), settings_.band));
+    }
+}
+
+void TileCache::update(double now_ms, gl::CacheStats& stats) {
+    now_ms_ = now_ms;
+    while (const std::shared_ptr<DiskRequest> done = worker_.poll()) deliver(done, stats);
+    for (const TileIndex index : std::vector(live_.begin(), live_.end())) poll_read_back(index, *find(index), stats);
+    start_wanted(stats);
+    let_go_unwanted(stats);
+}
+
+void TileCache::start_wanted(gl::CacheStats& stats) {
+    std::vector<TileIndex> wanted;
+    for (const ViewerTiles& viewer : viewers_)
+        for_each(viewer.loaded, [&](TileIndex index) { wanted.push_back(index); });
+    for (const std::set<TileIndex>* set : {&required_, &awaited_, &crowded_})
+        wanted.insert(wanted.end(), set->begin(), set->end());
+    for (const TileIndex index : wanted) {
+        Tile* tile = find(index);
+        if (tile == nullptr) continue;
+        if (tile->state == TileState::Absent && now_ms_ < tile->retry_at_ms) continue;
+        send(index, *tile, TileEvent::Wanted, stats);
+    }
+}
+
+void TileCache::let_go_unwanted(gl::CacheStats& stats) {
+    for (const TileIndex index : std::vector(live_.begin(), live_.end())) {
+        Tile& tile = *find(index);
+        if (tile.state != TileState::Saving && interest(index) == Interest::None && !held(index))
+            send(index, tile, TileEvent::Unwanted, stats);
+        // A save that waits for its read-back, for an earlier save, or for better times.
+        if (tile.state == TileState::Saving && now_ms_ >= tile.retry_at_ms) start_save(index, tile, stats);
+    }
+}
+
+void TileCache::send(TileIndex index, Tile& tile, TileEvent event, gl::CacheStats& stats) {
+    const TileStep step = next_step(tile.state, event, {tile.modified, tile.current});
+    tile.state = step.next;
+    if (tile.state == TileState::Absent)
+        live_.erase(index);
+    else
+        live_.insert(index);
+    switch (step.action) {
+        case TileAction::StartLoad:
+            tile.wanted_ms = now_ms_;
+            start_load(index, tile);
+            break;
+        case TileAction::CancelLoad:
+            if (tile.request) tile.request->cancel();
+            tile.request.reset();
+            tile.arriving.reset();
+            tile.pieces.clear();
+            break;
+        case TileAction::StartSave:
+            start_save(index, tile, stats);
+            break;
+        case TileAction::Rescue:
+            ++stats.rescues;
+            break;
+        case TileAction::Drop:
+            drop(index, tile, stats);
+            break;
+        case TileAction::None:
+        case TileAction::StartFill:  // `transfer` finds it
+        case TileAction::RetrySave:  // `let_go_unwanted` does, when the pause is over
+            break;
+    }
+}
+
+void TileCache::deliver(const std::shared_ptr<DiskRequest>& done, gl::CacheStats& stats) {
+    Tile* const tile = find(done->tile);
+    if (tile == nullptr) return;
+    const bool expected = tile->request == done;
+    if (expected) tile->request.reset();
+    if (done->kind == DiskRequest::Kind::Save) {
+        if (done->outcome) {
+            ++stats.saves;
+            ++tile->version;
+            tile->stored = true;
+            tile->modified = tile->changed;
+            tile->pause_ms = 0, tile->retry_at_ms = 0, tile->reported = false;
+            send(done->tile, *tile, TileEvent::Saved, stats);
+        } else {
+            tile->changed = true;
+            fail(*tile, done->outcome.error(), stats);
+            send(done->tile, *tile, TileEvent::SaveFailed, stats);
+        }
+        return;
+    }
+    if (done->was_cancelled) ++stats.cancelled;
+    if (!expected || done->was_cancelled) return;
+    if (!done->outcome) {
+        fail(*tile, done->outcome.error(), stats);
+        send(done->tile, *tile, TileEvent::LoadFailed, stats);
+        return;
+    }
+    ++stats.loads;
+    tile->pause_ms = 0, tile->retry_at_ms = 0, tile->reported = false;
+    tile->arriving = std::make_unique<DetailField>();
+    tile->applied = 0;
+    tile->pieces.clear();
+    for (LoadPiece& piece : done->pieces) {
+        if (piece.tile != done->tile) {
+            tile->pieces.push_back(std::move(piece));
+            continue;
+        }
+        for (Page& page : piece.loaded) tile->arriving->put(std::move(page));
+    }
+}
+
+void TileCache::fail(Tile& tile, const Error& error, gl::CacheStats& stats) {
+    ++stats.failures;
+    tile.trouble = error;
+    if (!tile.reported) errors_.push_back(error);
+    tile.reported = true;
+    tile.pause_ms = std::clamp(2 * tile.pause_ms, settings_.least_retry_ms, settings_.most_retry_ms);
+    tile.retry_at_ms = now_ms_ + tile.pause_ms;
+}
+
+// ---- arriving ----
+
+std::vector<LoadPiece> TileCache::pieces_for(TileIndex index, const Tile& tile) const {
+    std::vector<LoadPiece> pieces;
+    if (tile.stored)
+        pieces.push_back({.tile = index, .pages = pages_of(grid_.interior(index)), .version = tile.version});
+    const PageRect stored = pages_of(grid_.stored(index));
+    for_each_neighbour(index, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        if (neighbour != nullptr && neighbour->stored && !neighbour->hot)
+            pieces.push_back({.tile = at,
+                              .pages = intersection(stored, pages_of(grid_.interior(at))),
+                              .version = neighbour->version});
+    });
+    return pieces;
+}
+
+/// A neighbour may have been saved, and its codes dropped, since they were asked for.
+bool TileCache::pieces_are_current(TileIndex index, const Tile& tile) const {
+    const std::vector<LoadPiece> wanted = pieces_for(index, tile);
+    return std::all_of(wanted.begin(), wanted.end(), [&](const LoadPiece& piece) {
+        return piece.tile == index || std::any_of(tile.pieces.begin(), tile.pieces.end(), [&](const LoadPiece& have) {
+                   return have.tile == piece.tile && have.version == piece.version;
+               });
+    });
+}
+
+void TileCache::start_load(TileIndex index, Tile& tile) {
+    tile.arriving.reset();
+    tile.applied = 0;
+    std::vector<LoadPiece> pieces = pieces_for(index, tile);
+    tile.pieces.clear();
+    if (pieces.empty()) {
+        tile.arriving = std::make_unique<DetailField>();
+        return;
+    }
+    const auto rank = static_cast<std::uint32_t>(Interest::Active) - static_cast<std::uint32_t>(interest(index));
+    const auto distance = static_cast<std::uint32_t>(std::min(tiles_away(index, viewers_), 999));
+    tile.request = DiskRequest::load(index, std::move(pieces), rank * 1000 + distance);
+    worker_.submit(tile.request);
+}
+
+/// Applies up to `most_records` of the stamps that wait for a loaded tile. True when it is hot.
+bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats) {
+    if (!pieces_are_current(index, tile)) {
+        start_load(index, tile);
+        return false;
+    }
+    const TexelRect inside = intersection(grid_.interior(index), grid_.map);
+    const MapGeometry& map = ground_.map(MapKind::Detail);
+    for (; tile.applied < tile.pending.size() && most_records > 0; ++tile.applied, --most_records) {
+        apply_stamp(prepare(tile.pending[tile.applied], map, ground_.shapes()), *tile.arriving, inside);
+        ++stats.late_stamps;
+    }
+    if (tile.applied < tile.pending.size()) return false;
+    make_hot(index, tile);
+    send(index, tile, TileEvent::Loaded, stats);
+    return true;
+}
+
+void TileCache::make_hot(TileIndex index, Tile& tile) {
+    const auto replace = [&](const PageRect& rect, const DetailField& by) {
+        for (const Page& page : field_.pages_in(rect)) field_.erase(page.index);
+        for (const auto& [at, codes] : by.pages()) field_.put({at, codes});
+    };
+    const PageRect own = pages_of(grid_.interior(index));
+    const std::unique_ptr<DetailField> arriving = std::move(tile.arriving);
+    replace(own, *arriving);
+
+    // Guests: what the store has of the cold neighbours, and what fell on them since.
+    const MapGeometry& map = ground_.map(MapKind::Detail);
+    for_each_neighbour(index, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        if (neighbour == nullptr || neighbour->hot) return;
+        const PageRect strip = intersection(pages_of(grid_.stored(index)), pages_of(grid_.interior(at)));
+        if (strip.empty()) return;  // no apron
+        DetailField guests;
+        for (LoadPiece& piece : tile.pieces)
+            if (piece.tile == at)
+                for (Page& page : piece.loaded) guests.put(std::move(page));
+        const TexelRect clip = intersection({texels_of(strip.min).min, texels_of(strip.max).min}, grid_.map);
+        for (const StampRecord& record : neighbour->pending) {
+            const PreparedStamp stamp = prepare(record, map, ground_.shapes());
+            apply_stamp(stamp, guests, clip);
+        }
+        replace(strip, guests);
+    });
+    tile.hot = true;
+    tile.pending.clear();
+    tile.pending.shrink_to_fit();
+    tile.applied = 0;
+    tile.pieces.clear();
+    crowded_.erase(index);
+}
+
+// ---- textures ----
+
+/// False while as many tiles as may have textures are no farther. Of the others the farthest gives its own up: at once,
+/// or as soon as what was drawn into them has been read back.
+bool TileCache::make_room(TileIndex index, gl::CacheStats& stats) {
+    if (settings_.most_tiles == 0 || textured_.size() < settings_.most_tiles) return true;
+    const auto rank = [&](TileIndex at) {
+        return std::pair(static_cast<int>(interest(at)), -tiles_away(at, viewers_));
+    };
+    const TileIndex farthest = *std::min_element(textured_.begin(), textured_.end(),
+                                                 [&](TileIndex a, TileIndex b) { return rank(a) < rank(b); });
+    if (!(rank(farthest) < rank(index))) return false;
+    Tile& other = *find(farthest);
+    if (!other.newer.empty() || !other.reading.empty()) {
+        other.yielding = true;  // `poll_read_back` sees to it
+        return false;
+    }
+    release_textures(farthest, other, stats);
+    send(farthest, other, TileEvent::Displaced, stats);
+    return true;
+}
+
+bool TileCache::acquire(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (!make_room(index, stats) || !textures_.acquire(index)) return false;
+    tile.has_textures = true;
+    textured_.insert(index);
+    tile.to_fill.clear();
+    for (const Page& page : field_.pages_in(pages_of(grid_.stored(index)))) tile.to_fill.insert(page.index);
+    return true;
+}
+
+void TileCache::release_textures(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (!tile.has_textures) return;
+    textures_.release(index);
+    textured_.erase(index);
+    tile.has_textures = tile.current = tile.yielding = false;
+    tile.to_fill.clear();
+    ++stats.evictions;
+}
+
+void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats) {
+    const double start_ms = clock_ms();
+    bool ring_has_room = true;
+    for (const TileIndex index : by_nearness()) {
+        Tile& tile = *find(index);
+        while (tile.state == TileState::Loading && tile.arriving && budget.allows(0)) {
+            const double began_ms = clock_ms();
+            arrive(index, tile, 1, stats);
+            budget.spend(0, clock_ms() - began_ms);
+        }
+        if (tile.state != TileState::Uploading || interest(index) == Interest::None || !ring_has_room) continue;
+        if (!tile.has_textures && !acquire(index, tile, stats)) continue;
+        ring_has_room = fill(index, tile, budget);
+        if (tile.to_fill.empty()) finish_fill(index, tile, stats);
+    }
+    std::set<TileIndex> active;
+    for (const ViewerTiles& viewer : viewers_)
+        for_each(viewer.active, [&](TileIndex index) { active.insert(index); });
+    for (const TileIndex index : active) {
+        const Tile* tile = find(index);
+        if (tile != nullptr && !tile->current) ++stats.missing_active;
+    }
+    stats.transfer_ms += clock_ms() - start_ms;
+}
+
+/// False when the ring is full.
+bool TileCache::fill(TileIndex index, Tile& tile, FrameBudget& budget) {
+    constexpr std::int64_t kBytesATexel = 6;  // two planes and a slope of two bytes each
+    const auto run = static_cast<std::int32_t>(
+        std::max<std::uint64_t>(budget.settings().slice_bytes / (kPageTexels * kPageTexels * kBytesATexel), 1));
+    while (!tile.to_fill.empty() && budget.allows(budget.settings().slice_bytes)) {
+        const double began_ms = clock_ms();
+        const TexelRect rect = take_run(tile.to_fill, run, grid_.stored(index));
+        if (rect.empty()) continue;
+        if (!textures_.fill(index, rect, field_, true)) {
+            add_pages(tile.to_fill, rect);
+            return false;
+        }
+        budget.spend(static_cast<std::uint64_t>(rect.count() * kBytesATexel), clock_ms() - began_ms);
+    }
+    return true;
+}
+
+void TileCache::finish_fill(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    // With the gpu executor the neighbours' textures are ahead of the field that filled the apron.
+    for_each_neighbour(index, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        if (neighbour == nullptr || !on_gpu(*neighbour)) return;
+        const TexelRect shared = intersection(grid_.stored(index), grid_.interior(at));
+        if (!shared.empty()) textures_.exchange(at, index, shared);
+    });
+    tile.current = true;
+    send(index, tile, TileEvent::Filled, stats);
+    CachedArrival arrival{.tile = index};
+    if (tile.wanted_ms >= 0) arrival.loading_ms = now_ms_ - tile.wanted_ms;
+    for (std::size_t i = 0; i < viewer_texels_.size(); ++i) {
+        const double lead = texels_until_active(grid_, viewer_texels_[i], index, settings_.band);
+        arrival.lead_texels = i == 0 ? lead : std::min(arrival.lead_texels, lead);
+    }
+    tile.wanted_ms = -1;
+    arrivals_.push_back(arrival);
+}
+
+// ---- leaving ----
+
+void TileCache::start_save(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (tile.request) return;  // an earlier save of it is still on its way
+    if (!tile.reading.empty()) return;
+    if (!tile.newer.empty()) {
+        if (textures_.begin_read_back(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map))))
+            tile.reading = std::exchange(tile.newer, {});
+        return;
+    }
+    release_textures(index, tile, stats);
+    tile.request = DiskRequest::save(index, field_.pages_in(pages_of(grid_.interior(index))), 500);
+    tile.changed = false;
+    worker_.submit(tile.request);
+}
+
+void TileCache::poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (tile.yielding && tile.reading.empty() && !tile.newer.empty() &&
+        textures_.begin_read_back(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map))))
+        tile.reading = std::exchange(tile.newer, {});
+    if (!tile.reading.empty()) {
+        const ReadBackState state = textures_.poll_read_back(index, field_);
+        if (state == ReadBackState::Pending) return;
+        const std::set<PageIndex> read = std::exchange(tile.reading, {});
+        if (state != ReadBackState::Done) {
+            tile.newer.insert(read.begin(), read.end());
+        } else {
+            // Neighbours that are being filled took these texels from the field before they were right.
+            for_each_neighbour(index, [&](TileIndex at) {
+                Tile* neighbour = find(at);
+                if (neighbour == nullptr || !neighbour->has_textures || neighbour->current) return;
+                const PageRect stored = pages_of(grid_.stored(at));
+                for (const PageIndex page : read)
+                    if (stored.contains(page)) neighbour->to_fill.insert(page);
+            });
+        }
+    }
+    if (tile.yielding && tile.newer.empty() && tile.reading.empty()) {
+        release_textures(index, tile, stats);
+        send(index, tile, TileEvent::Displaced, stats);
+    }
+}
+
+void TileCache::drop(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    release_textures(index, tile, stats);
+    tile.hot = false;
+    tile.wanted_ms = -1;
+    for (const Page& page : field_.pages_in(pages_of(grid_.stored(index))))
+        if (!is_hot(page.index)) field_.erase(page.index);
+}
+
+}  // namespace tilth

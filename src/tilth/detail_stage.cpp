@@ -1,0 +1,184 @@
+#include "tilth/detail_stage.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace tilth {
+namespace {
+
+double clock_ms() {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+constexpr std::int32_t kMostApron = 16;
+constexpr std::uint64_t kFewestTiles = 4;  // those that a frame may sample
+
+Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
+
+/// Linear filtering across a border needs one slope beyond it, and that slope its stencil.
+std::int32_t least_apron(SlopeStencil stencil) { return stencil_reach(stencil) + 1; }
+
+std::uint64_t bytes_of_tile(const TileGrid& grid, HeightPrecision precision, SlopeFormat slopes) {
+    const auto side = static_cast<std::uint64_t>(grid.stored_size());
+    return side * side * ((precision == HeightPrecision::bits32 ? 4 : 2) + (slopes == SlopeFormat::rg8 ? 2 : 4));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl::ShaderLibrary& shaders, Ground& ground,
+                                                         const TerrainSettings& settings, Deformer* deformer) {
+    const TileSettings& tiles = settings.tiles;
+    if (!(tiles.band >= 0.02 && tiles.band <= 0.9)) return invalid(text("band: ", tiles.band, " is not in [0.02, 0.9]"));
+    const std::int32_t needed = least_apron(settings.stencil);
+    if (tiles.apron != 0 && (tiles.apron < needed || tiles.apron > kMostApron))
+        return invalid(text("apron: ", tiles.apron, " texels is not in ", needed, "..", kMostApron));
+    const MapGeometry& map = ground.map(MapKind::Detail);
+    const TileGrid grid{.size = ground.settings().tile_size,
+                        .apron = tiles.apron == 0 ? needed : tiles.apron,
+                        .map = map.grid.rect()};
+    const std::uint64_t tile_bytes = bytes_of_tile(grid, map.precision, settings.slopes);
+    std::size_t most_tiles = 0;
+    if (tiles.most_gpu_bytes != 0) {
+        most_tiles = static_cast<std::size_t>(tiles.most_gpu_bytes / tile_bytes);
+        if (most_tiles < kFewestTiles)
+            return invalid(text("most_gpu_bytes: ", tiles.most_gpu_bytes, " bytes hold ", most_tiles, " tiles of ",
+                                tile_bytes, " bytes; at least ", kFewestTiles, " are needed (",
+                                kFewestTiles * tile_bytes, " bytes), or a smaller tile_size"));
+    }
+
+    Result<std::unique_ptr<GpuTiles>> textures = GpuTiles::create(
+        device, shaders, deformer,
+        {.pool = {.grid = grid, .precision = map.precision, .slopes = settings.slopes},
+         .slopes = {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m},
+         // A slice's texels take at most eight bytes, the budget counts them as six.
+         .slot_bytes = 2 * static_cast<std::size_t>(std::max(tiles.budget.slice_bytes, std::uint64_t{64} << 10))});
+    if (!textures) return textures.error();
+    std::unique_ptr<DetailStage> made(new DetailStage(ground, settings, std::move(*textures)));
+    if (!tiles.store) made->own_store_ = std::make_shared<MemoryStore>();
+    Result<std::unique_ptr<TileCache>> cache = TileCache::create(
+        ground, grid, tiles.store ? tiles.store : made->own_store_, *made->textures_,
+        {.band = tiles.band, .gpu_executor = deformer != nullptr, .most_tiles = most_tiles});
+    if (!cache) return cache.error();
+    made->cache_ = std::move(*cache);
+    const GridSpec& posts = ground.map(MapKind::Coarse).grid;
+    made->set_default_viewer(posts.world({(posts.width - 1) / 2, (posts.depth - 1) / 2}));
+    return made;
+}
+
+DetailStage::DetailStage(Ground& ground, const TerrainSettings& settings, std::unique_ptr<GpuTiles> textures)
+    : ground_(ground), band_(settings.tiles.band), budget_(settings.tiles.budget), textures_(std::move(textures)) {}
+
+void DetailStage::set_viewers(std::span<const WorldPos> viewers) {
+    has_viewers_ = true;
+    cache_->set_viewers(viewers);
+}
+
+void DetailStage::set_default_viewer(WorldPos eye) {
+    if (!has_viewers_) cache_->set_viewers({&eye, 1});
+}
+
+// ---- a frame ----
+
+void DetailStage::begin(gl::FrameStats& stats) {
+    const double now_ms = clock_ms();
+    const double rest_ms =
+        began_ms_ < 0 ? std::numeric_limits<double>::quiet_NaN() : now_ms - began_ms_ - transfer_ms_;
+    began_ms_ = now_ms;
+    budget_.begin_frame(rest_ms);
+    textures_->set_stats(&stats);
+    cache_->update(now_ms, stats.cache);
+}
+
+Result<void> DetailStage::stamp(std::span<const StampRecord> records, gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    return cache_->stamp(records, stats.cache, stats.deform);
+}
+
+void DetailStage::transfer(gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    const double before_ms = stats.cache.transfer_ms;
+    cache_->transfer(budget_, stats.cache);
+    transfer_ms_ = stats.cache.transfer_ms - before_ms;
+}
+
+DetailView DetailStage::view_from(WorldPos eye) const {
+    const TileGrid& grid = cache_->grid();
+    const double spacing_m = ground_.map(MapKind::Detail).grid.spacing_m;
+    DetailView view{.grid = grid, .spacing_m = spacing_m, .reach_m = active_reach_m(grid.size * spacing_m, band_)};
+    view.window = tiles_of_viewer(grid, ground_.map(MapKind::Detail).grid.posts(eye), band_).active;
+    for (std::int32_t z = view.window.min.z; z <= view.window.max.z; ++z)
+        for (std::int32_t x = view.window.min.x; x <= view.window.max.x; ++x)
+            if (cache_->can_be_drawn({x, z}))
+                view.slopes[static_cast<std::size_t>((z - view.window.min.z) * 2 + x - view.window.min.x)] =
+                    textures_->slopes_of({x, z});
+    return view;
+}
+
+// ---- outside frames ----
+
+Result<void> DetailStage::settle(gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    return cache_->settle(stats.cache, stats.deform);
+}
+
+Result<void> DetailStage::require(WorldPos at, gl::FrameStats& stats) {
+    const GridSpec& map = ground_.map(MapKind::Detail).grid;
+    const PostPos texels = map.posts(at);
+    if (std::isnan(texels.x) || std::isnan(texels.z)) return {};
+    const auto cell = [](double texel, std::int32_t count) {
+        return static_cast<std::int32_t>(std::floor(std::clamp(texel, 0.0, count - 2.0)));
+    };
+    const Texel corner{cell(texels.x, map.width), cell(texels.z, map.depth)};
+    const TileWindow window = tiles_of(cache_->grid(), {corner, {corner.x + 2, corner.z + 2}});
+    std::vector<TileIndex> tiles;
+    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
+        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) tiles.push_back({x, z});
+    return require(tiles, stats);
+}
+
+Result<void> DetailStage::require(std::span<const TileIndex> tiles, gl::FrameStats& stats) {
+    if (std::all_of(tiles.begin(), tiles.end(), [&](TileIndex index) { return cache_->is_in_field(index); })) return {};
+    textures_->set_stats(&stats);
+    return cache_->require(tiles, stats.cache, stats.deform);
+}
+
+Result<std::uint64_t> DetailStage::hash(gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    return cache_->hash(stats.cache, stats.deform);
+}
+
+std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const Vec3d& direction,
+                                                        double max_m) const {
+    std::vector<Ahead> ahead;
+    const double length = std::hypot(direction.x, direction.y, direction.z);
+    if (!(length > 0) || !std::isfinite(length)) return ahead;
+    const GridSpec& map = ground_.map(MapKind::Detail).grid;
+    const PostPos start = map.posts({from.x, from.z});
+    for (const CachedTile& tile : cache_->tiles()) {
+        if (cache_->is_in_field(tile.tile)) continue;
+        // Cells about the tile's texels: one more on each side.
+        const TexelRect rect = expanded(cache_->grid().interior(tile.tile), 1);
+        double begin = 0, end = max_m;
+        const auto clip = [&](double at, double slope, double low, double high) {
+            if (slope == 0) {
+                if (at < low || at > high) end = -1;
+                return;
+            }
+            const double a = (low - at) / slope, b = (high - at) / slope;
+            begin = std::max(begin, std::min(a, b));
+            end = std::min(end, std::max(a, b));
+        };
+        clip(start.x, direction.x / length / map.spacing_m, rect.min.x, rect.max.x);
+        clip(start.z, direction.z / length / map.spacing_m, rect.min.z, rect.max.z);
+        if (begin <= end) ahead.push_back({begin, tile.tile});
+    }
+    std::sort(ahead.begin(), ahead.end(), [](const Ahead& a, const Ahead& b) { return a.distance_m < b.distance_m; });
+    return ahead;
+}
+
+std::uint64_t DetailStage::waiting_bytes() const { return cache_->waiting_bytes() + (own_store_ ? own_store_->bytes() : 0); }
+
+}  // namespace tilth
