@@ -15,6 +15,7 @@
 #include "tilth/gl/pixel_store.h"
 #include "tilth/source/ridged_source.h"
 #include "tilth/store/memory_store.h"
+#include "tilth/transfer/read_back_ring.h"
 
 namespace tilth::bench {
 namespace {
@@ -288,6 +289,18 @@ void read_back_stall(benchmark::State& state) {
             const auto [plain_ms, plain_cpu_ms] = timed_behind_draw(true, [&] { read_pixels(bytes); });
             plain.push_back(plain_ms), plain_cpu.push_back(plain_cpu_ms);
             alone.push_back(timed_behind_draw(false, [&] { read_pixels(bytes); }).first);
+            static ReadBackRing ring = value(ReadBackRing::create(device(), 512u << 10, 8));
+            static gl::TransferStats ts;
+            const auto rb = [&](int n, int w, int h) { std::vector<std::uint64_t> t; for (int i = 0; i < n; ++i) { const ReadBackRing::Piece pcs[] = {{&plane, {0, h * i, w, h * i + h}}, {&plane, {0, h * i, w, h * i + h}}}; t.push_back(*ring.begin(pcs, ts)); } return t; };
+            std::vector<std::uint64_t> tk;
+            const auto drop = [&] { for (auto t : tk) while (ring.poll(t, [](auto) {}) == ReadBackRing::State::Pending); };
+            const double a1 = timed_behind_draw(true, [&] { tk = rb(1, 2048, 64); }).first; drop();
+            const double a8 = timed_behind_draw(true, [&] { tk = rb(8, 2048, 64); }).first; drop();
+            const double fe = timed_behind_draw(true, [&] { auto f = value(Result<gl::Fence>(gl::Fence::insert(device()))); }).first;
+            const double nop = timed_behind_draw(true, [&] { ground.frame(); }).first;
+            const double nop_bytes = ground->last_frame().transfer.bytes_down;
+            const double nog = timed_behind_draw(true, [&] { gl.Flush(); }).first;
+            fprintf(stderr, "stall %.1f (%.1f MiB) plain %.1f | ring1 %.1f ring8 %.1f fence %.1f update %.1f (bytes %.0f) flush %.1f\n", ms, bytes/1048576.0, plain_ms, a1, a8, fe, nop, nop_bytes, nog);
             wait.push_back(timed_behind_draw(true, [&] { gl.Finish(); }).first);
         }
         state.SetIterationTime((wall_ms() - began) / 1000);

@@ -165,13 +165,14 @@ bool GpuTiles::fill(TileIndex index, const TexelRect& rect, const DetailField& f
 }
 
 TexelRect GpuTiles::read_by(const TexelRect& stale, const TileSet& set) const {
+    if (stale.empty()) return {};
     return intersection(expanded(stale, stencil_reach(settings_.slopes.stencil)), set.planes.held());
 }
 
 void GpuTiles::fill_at_once(Tile& filled, const TexelRect& part, const DetailField& field, bool slopes) {
     TileSet& set = *filled.set;
-    const TexelRect stale = stale_slopes(part, set.planes.held(), settings_.slopes.stencil);
-    const CodeView codes = gathered_.gather(field, slopes ? read_by(stale, set) : part);
+    const TexelRect stale = stale_slopes(part, set.planes.held(), set.planes.map(), settings_.slopes.stencil);
+    const CodeView codes = gathered_.gather(field, slopes ? bounds_of(part, read_by(stale, set)) : part);
     set.planes.upload(codes, part, stats_->transfer);
     if (!slopes) return;
     const StageClock clock(stats_->derive);
@@ -183,7 +184,7 @@ bool GpuTiles::fill_through_ring(Tile& filled, const TexelRect& part, const Deta
     TileSet& set = *filled.set;
     const bool two_planes = settings_.pool.precision == HeightPrecision::bits32;
     const TexelRect stale =
-        slopes ? stale_slopes(part, set.planes.held(), settings_.slopes.stencil) : TexelRect{};
+        slopes ? stale_slopes(part, set.planes.held(), set.planes.map(), settings_.slopes.stencil) : TexelRect{};
     const auto plane_bytes = static_cast<std::size_t>(part.count()) * sizeof(std::uint16_t);
     const std::size_t codes_bytes = plane_bytes * (two_planes ? 2 : 1);
     const std::size_t size =

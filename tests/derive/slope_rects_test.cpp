@@ -66,5 +66,26 @@ TEST(SlopeRects, ManyRectanglesAreCoveredWithoutOverlap) {
                 ASSERT_EQ(times[static_cast<std::size_t>(z * 320 + x)], 1);
 }
 
+TEST(SlopeRects, ATileDerivesItsInteriorAndOneTexelAroundItAndTheMapsEdge) {
+    for (const SlopeStencil stencil : {SlopeStencil::Central, SlopeStencil::Fourth}) {
+        const TexelRect map{{0, 0}, {300, 300}}, interior{{128, 0}, {256, 128}};
+        const std::int32_t apron = stencil_reach(stencil) + 1;
+        const TexelRect held = intersection(expanded(interior, apron), map);
+        const TexelRect derived = derivable_slopes(held, map, stencil);
+        EXPECT_EQ(derived, intersection(expanded(interior, 1), map));
+        for (const TexelRect& changed : random_rects(5, 40)) {  // a stale slope is one whose stencil meets the change
+            const TexelRect stale = stale_slopes(changed, held, map, stencil);
+            for (std::int32_t z = derived.min.z; z < derived.max.z; ++z)
+                for (std::int32_t x = derived.min.x; x < derived.max.x; ++x) {
+                    const std::int32_t reach = stencil_reach(stencil);
+                    const bool reads = !intersection({{x - reach, z}, {x + reach + 1, z + 1}}, changed).empty() ||
+                                       !intersection({{x, z - reach}, {x + 1, z + reach + 1}}, changed).empty();
+                    ASSERT_TRUE(!reads || stale.contains({x, z})) << x << ", " << z;
+                }
+        }
+        EXPECT_EQ(derivable_slopes(map, map, stencil), map);
+    }
+}
+
 }  // namespace
 }  // namespace tilth

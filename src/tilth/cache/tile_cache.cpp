@@ -162,8 +162,12 @@ void TileCache::start_wanted(gl::CacheStats& stats) {
 void TileCache::let_go_unwanted(gl::CacheStats& stats) {
     for (const TileIndex index : std::vector(live_.begin(), live_.end())) {
         Tile& tile = *find(index);
-        if (tile.state != TileState::Saving && interest(index) == Interest::None && !held(index))
-            send(index, tile, TileEvent::Unwanted, stats);
+        if (tile.state != TileState::Saving && interest(index) == Interest::None) {
+            if (!held(index))
+                send(index, tile, TileEvent::Unwanted, stats);
+            else if (tile.has_textures)
+                give_up_textures(index, tile, stats);  // held for its codes alone
+        }
         // A save that waits for its read-back, for an earlier save, or for better times.
         if (tile.state == TileState::Saving && now_ms_ >= tile.retry_at_ms) start_save(index, tile, stats);
     }
@@ -350,8 +354,7 @@ void TileCache::make_hot(TileIndex index, Tile& tile) {
 
 // ---- textures ----
 
-/// False while as many tiles as may have textures are no farther. Of the others the farthest gives its own up: at once,
-/// or as soon as what was drawn into them has been read back.
+/// False while as many tiles as may have textures are no farther. Of the others the farthest gives its own up.
 bool TileCache::make_room(TileIndex index, gl::CacheStats& stats) {
     if (settings_.most_tiles == 0 || textured_.size() < settings_.most_tiles) return true;
     const auto rank = [&](TileIndex at) {
@@ -360,13 +363,17 @@ bool TileCache::make_room(TileIndex index, gl::CacheStats& stats) {
     const TileIndex farthest = *std::min_element(textured_.begin(), textured_.end(),
                                                  [&](TileIndex a, TileIndex b) { return rank(a) < rank(b); });
     if (!(rank(farthest) < rank(index))) return false;
-    Tile& other = *find(farthest);
-    if (!other.newer.empty() || !other.reading.empty()) {
-        other.yielding = true;  // `poll_read_back` sees to it
+    return give_up_textures(farthest, *find(farthest), stats);
+}
+
+/// At once, unless the field lacks what they hold: then as soon as that has been read back.
+bool TileCache::give_up_textures(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (!tile.newer.empty() || !tile.reading.empty()) {
+        tile.yielding = true;  // `poll_read_back` sees to it
         return false;
     }
-    release_textures(farthest, other, stats);
-    send(farthest, other, TileEvent::Displaced, stats);
+    release_textures(index, tile, stats);
+    send(index, tile, TileEvent::Displaced, stats);
     return true;
 }
 
@@ -488,10 +495,7 @@ void TileCache::poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stat
             });
         }
     }
-    if (tile.yielding && tile.newer.empty() && tile.reading.empty()) {
-        release_textures(index, tile, stats);
-        send(index, tile, TileEvent::Displaced, stats);
-    }
+    if (tile.yielding && tile.newer.empty() && tile.reading.empty()) give_up_textures(index, tile, stats);
 }
 
 void TileCache::drop(TileIndex index, Tile& tile, gl::CacheStats& stats) {

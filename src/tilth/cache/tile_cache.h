@@ -162,6 +162,7 @@ private:
     void poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void release_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
     bool make_room(TileIndex index, gl::CacheStats& stats);
+    bool give_up_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
     bool acquire(TileIndex index, Tile& tile, gl::CacheStats& stats);
     bool fill(TileIndex index, Tile& tile, FrameBudget& budget);
     void finish_fill(TileIndex index, Tile& tile, gl::CacheStats& stats);

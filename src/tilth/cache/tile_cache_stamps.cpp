@@ -117,10 +117,15 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
 
 void TileCache::execute(const Task& task, gl::StageStats& deform) {
     const TexelRect rect = task.prepared.rect();
+    const auto part = [&](TileIndex index) {
+        return intersection(intersection(grid_.interior(index), grid_.map), rect);
+    };
+    // All tiles first: one that becomes hot makes guests of its neighbours' pages.
+    for_each(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
     bool drawn = false;
     for_each(task.window, [&](TileIndex index) {
-        const TexelRect inside = intersection(intersection(grid_.interior(index), grid_.map), rect);
-        Tile& tile = touched(index, !inside.empty());
+        const TexelRect inside = part(index);
+        Tile& tile = *find(index);
         if (!tile.hot) {
             if (inside.empty()) return;
             tile.pending.push_back(task.record);

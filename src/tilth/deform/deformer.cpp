@@ -14,8 +14,8 @@ enum Unit { kHigh, kLow, kWeights, kStamps, kOrder };
 
 // Width and depth of the scratch for many small parts; targets larger than that may use as much as one of them has.
 constexpr std::int32_t kScratchTexels = 1024;
-// Parts start at multiples of this in the scratch.
-constexpr std::int32_t kScratchAlign = 64;
+// Parts start at multiples of this in the scratch: software GL shades blocks of 4 x 4 texels.
+constexpr std::int32_t kScratchAlign = 16;
 constexpr std::size_t kStampTexels = sizeof(StampParams) / 16;
 
 Result<void> put(std::optional<gl::TextureBuffer>& list, gl::Device& device, std::string_view label, gl::Format format,

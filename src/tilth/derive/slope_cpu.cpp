@@ -178,7 +178,7 @@ void upload_slopes(std::span<const TexelRect> changed, const CodeView& codes, co
     const TexelRect held = intersection(slopes.rect(), map);
     std::vector<TexelRect> stale;
     for (const TexelRect& rect : changed)
-        stale.push_back(stale_slopes(intersection(rect, held), held, settings.stencil));
+        stale.push_back(stale_slopes(rect, held, map, settings.stencil));
     const auto upload = slopes.format() == SlopeFormat::rg16f ? upload_rect<std::uint16_t> : upload_rect<std::uint8_t>;
     for (const TexelRect& texels : disjoint(stale)) {
         TILTH_EXPECTS(intersection(texels, codes.rect) == texels, "slopes of texels that the view does not cover");

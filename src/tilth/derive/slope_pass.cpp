@@ -13,6 +13,7 @@ namespace {
 enum Unit { kHigh, kLow };
 
 constexpr std::int32_t kLeastScratch = 256;  // texels a side, so that small stamps do not grow it step by step
+constexpr std::int32_t kScratchAlign = 4;    // software GL shades blocks of 4 x 4 texels
 
 TexelRect moved(const TexelRect& rect, Texel origin) {
     return {{rect.min.x - origin.x, rect.min.z - origin.z}, {rect.max.x - origin.x, rect.max.z - origin.z}};
@@ -57,8 +58,7 @@ std::vector<TexelRect> SlopePass::stale(const SlopeTarget& target) const {
     TILTH_EXPECTS(target.planes->rect() == target.slopes->rect(), "slopes and codes of different texels");
     std::vector<TexelRect> rects;
     for (const TexelRect& rect : target.changed)
-        rects.push_back(stale_slopes(intersection(rect, target.planes->held()), target.planes->held(),
-                                     settings_.stencil));
+        rects.push_back(stale_slopes(rect, target.planes->held(), target.planes->map(), settings_.stencil));
     return disjoint(rects);
 }
 
@@ -102,7 +102,7 @@ void SlopePass::run(std::span<const SlopeTarget> tiles, gl::StageStats& derive) 
     std::int32_t side = kLeastScratch;
     for (const SlopeTarget& tile : tiles)
         side = std::max({side, tile.slopes->rect().width(), tile.slopes->rect().depth()});
-    Shelves shelves(side, side, 1);
+    Shelves shelves(side, side, kScratchAlign);
     for (std::size_t t = 0; t < tiles.size(); ++t) {
         TILTH_EXPECTS(tiles[t].slopes->levels() == 1, "tiles have one level of slopes");
         const std::size_t before = parts.size();

@@ -38,8 +38,8 @@ struct SlopeTarget {
 /// at once: their slopes are drawn side by side into a scratch texture and copied, because a draw and a copy cost less
 /// than another framebuffer. With nothing changed it does nothing at all. Slopes are always a function of the heights,
 /// never accumulated.
-/// Differences are one-sided at the map's border only. Of a tile, slopes whose stencil leaves what it holds repeat its
-/// outermost texels: with an apron of `stencil_reach` + 1 they are right on the interior and one texel around it.
+/// Differences are one-sided at the map's border only. Of a tile, slopes whose stencil leaves what it holds are not
+/// written (`derivable_slopes`): with an apron of `stencil_reach` + 1 the interior and one texel around it are right.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`.
 class SlopePass {
 public:
@@ -75,9 +75,8 @@ private:
 };
 
 /// The same on the CPU, uploaded to the same texture: for the CPU executor. Values agree with the GPU's to one step of
-/// the storage. `codes` covers the stale slopes of the map `map` that `slopes` holds, and the stencil's reach around
-/// them, as far as the map goes and the caller wants them right. Counts bytes of the slopes in `derive` and of the mips
-/// in `mips`, no passes.
+/// the storage. `codes` covers the stale slopes that `slopes`, of the map `map`, holds, and the stencil's reach around
+/// them as far as the map goes. Counts bytes of the slopes in `derive` and of the mips in `mips`, no passes.
 void upload_slopes(std::span<const TexelRect> changed, const CodeView& codes, const TexelRect& map,
                    const SlopeSettings& settings, SlopeMap& slopes, gl::StageStats& derive, gl::StageStats& mips,
                    gl::TransferStats& transfer);

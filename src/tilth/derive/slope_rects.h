@@ -21,6 +21,23 @@ constexpr TexelRect stale_slopes(const TexelRect& changed, const TexelRect& map,
     return changed.empty() ? TexelRect{} : intersection(expanded(changed, stencil_reach(stencil)), map);
 }
 
+/// The texels whose slopes follow from the codes of `held`, a part of `map`: those whose stencil stays in it, or leaves
+/// the map. Of a tile with an apron of `stencil_reach` + 1: the interior and one texel around it.
+constexpr TexelRect derivable_slopes(const TexelRect& held, const TexelRect& map, SlopeStencil stencil) {
+    const std::int32_t reach = stencil_reach(stencil);
+    return {{held.min.x == map.min.x ? held.min.x : held.min.x + reach,
+             held.min.z == map.min.z ? held.min.z : held.min.z + reach},
+            {held.max.x == map.max.x ? held.max.x : held.max.x - reach,
+             held.max.z == map.max.z ? held.max.z : held.max.z - reach}};
+}
+
+/// The slopes of a tile that holds `held` and that a change of `changed` makes stale.
+constexpr TexelRect stale_slopes(const TexelRect& changed, const TexelRect& held, const TexelRect& map,
+                                 SlopeStencil stencil) {
+    return intersection(stale_slopes(intersection(changed, held), held, stencil),
+                        derivable_slopes(held, map, stencil));
+}
+
 /// The texels of mip level `level` whose posts (i << level, j << level) lie in `posts`. May be empty.
 constexpr TexelRect mip_texels(const TexelRect& posts, std::int32_t level) {
     const auto up = [level](std::int32_t post) { return (post + (1 << level) - 1) >> level; };

@@ -61,9 +61,9 @@ struct RenderCounts {
 /// (`render/detail_slopes.glsl`), in programs of their own, which only the blocks take that lie in reach of the eye and
 /// touch a tile that is there (`detail_blocks.h`); all others cost what they cost without. The four programs are made
 /// in the first frame that needs one of them: a world that nobody dents never pays. They are made together, and each is
-/// drawn with once at once, because drivers compile at the first draw (llvmpipe: some 0.3 s each cold, a few ms from its
-/// disk cache), so that the frame of the first print carries it all and no frame of a walk across a tile's border does.
-/// Measured on llvmpipe at 1280 x 720: detail in one tile adds 30 ns of CPU time a pixel in reach, on borders 70.
+/// drawn with once at once, because drivers compile at the first draw (llvmpipe: some 0.3 s each cold, a few ms from
+/// its disk cache), so that the frame of the first print carries it all and no frame of a walk across a tile's border
+/// does. Measured on llvmpipe at 1280 x 720: detail in one tile adds 30 ns of CPU time a pixel in reach, on borders 70.
 class TerrainRenderer {
 public:
     /// Fails with InvalidArgument (settings, map) or ShaderCompile. `shaders` must outlive the renderer.
