@@ -51,7 +51,10 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
 
     Result<std::unique_ptr<GpuTiles>> textures = GpuTiles::create(
         device, shaders, deformer,
-        {.pool = {.grid = grid, .precision = map.precision, .slopes = settings.slopes},
+        {.pool = {.grid = grid,
+                  .precision = map.precision,
+                  .slopes = settings.slopes,
+                  .most_tiles = static_cast<std::int32_t>(most_tiles)},
          .slopes = {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m},
          // A slice's texels take at most eight bytes, the budget counts them as six.
          .slot_bytes = 2 * static_cast<std::size_t>(std::max(tiles.budget.slice_bytes, std::uint64_t{64} << 10))});
@@ -89,18 +92,23 @@ void DetailStage::begin(gl::FrameStats& stats) {
     began_ms_ = now_ms;
     budget_.begin_frame(rest_ms);
     textures_->set_stats(&stats);
+    textures_->begin_frame();
     cache_->update(now_ms, stats.cache);
 }
 
 Result<void> DetailStage::stamp(std::span<const StampRecord> records, gl::FrameStats& stats) {
     textures_->set_stats(&stats);
-    return cache_->stamp(records, stats.cache, stats.deform);
+    // What the textures do counts its own time, slopes apart; the rest is the CPU executor's.
+    const double counted_ms = stats.deform.cpu_ms + stats.derive.cpu_ms, start_ms = clock_ms();
+    Result<void> applied = cache_->stamp(records, stats.cache, stats.deform);
+    stats.deform.cpu_ms += clock_ms() - start_ms - (stats.deform.cpu_ms + stats.derive.cpu_ms - counted_ms);
+    return applied;
 }
 
 void DetailStage::transfer(gl::FrameStats& stats) {
     textures_->set_stats(&stats);
     const double before_ms = stats.cache.transfer_ms;
-    cache_->transfer(budget_, stats.cache);
+    cache_->transfer(budget_, stats.cache, stats.deform);
     transfer_ms_ = stats.cache.transfer_ms - before_ms;
 }
 

@@ -48,8 +48,7 @@ void write_plane(const DetailField& field, const TexelRect& rect, std::uint32_t 
                 out = std::fill_n(out, part.width(), static_cast<std::uint16_t>(kMidCode >> shift));
                 continue;
             }
-            const std::uint32_t* codes =
-                row[i]->data() + (z - page.min.z) * kPageTexels + (part.min.x - page.min.x);
+            const std::uint32_t* codes = row[i]->data() + (z - page.min.z) * kPageTexels + (part.min.x - page.min.x);
             out = std::transform(codes, codes + part.width(), out,
                                  [shift](std::uint32_t code) { return static_cast<std::uint16_t>(code >> shift); });
         }
@@ -187,8 +186,7 @@ bool GpuTiles::fill_through_ring(Tile& filled, const TexelRect& part, const Deta
         slopes ? stale_slopes(part, set.planes.held(), set.planes.map(), settings_.slopes.stencil) : TexelRect{};
     const auto plane_bytes = static_cast<std::size_t>(part.count()) * sizeof(std::uint16_t);
     const std::size_t codes_bytes = plane_bytes * (two_planes ? 2 : 1);
-    const std::size_t size =
-        codes_bytes + static_cast<std::size_t>(stale.count()) * slope_bytes(settings_.pool.slopes);
+    const std::size_t size = codes_bytes + static_cast<std::size_t>(stale.count()) * slope_bytes(settings_.pool.slopes);
     if (!up_) {
         Result<UploadRing> ring = UploadRing::create(*device_, settings_.slot_bytes, settings_.slots);
         if (ring)
@@ -228,8 +226,8 @@ void GpuTiles::note_codes(Tile& filled, const TexelRect& part, const DetailField
     for_pages(part, [&](PageIndex at) {
         const TexelRect page = texels_of(at), here = intersection(page, part);
         const PageCodes* codes = field.find(at);
-        filled.bounds.put(here, codes == nullptr ? CodeBounds::Range{kMidCode, kMidCode}
-                                                 : range_of(*codes, page, here));
+        filled.bounds.put(here,
+                          codes == nullptr ? CodeBounds::Range{kMidCode, kMidCode} : range_of(*codes, page, here));
     });
     if (filled.reading) filled.reading->stamped_since = bounds_of(filled.reading->stamped_since, part);
 }
@@ -237,10 +235,10 @@ void GpuTiles::note_codes(Tile& filled, const TexelRect& part, const DetailField
 // ---- stamps ----
 
 bool GpuTiles::may_saturate(TileIndex index, const PreparedStamp& stamp) const {
-    const TexelRect held = tile(index).set->planes.held();
-    const TexelRect rect = intersection(stamp.rect(), held);
-    if (rect.empty()) return false;
-    const CodeBounds::Range old = tile(index).bounds.query(expanded(rect, 1));
+    // Of the interior alone: texels of the apron are counted by their own tiles, and their bounds never narrow.
+    const TexelRect rect = intersection(stamp.rect(), settings_.pool.grid.interior(index));
+    const CodeBounds::Range old = tile(index).bounds.query(rect);
+    if (old.min > old.max) return false;
     return range_after(stamp, old.min, old.max).may_saturate;
 }
 
@@ -262,7 +260,7 @@ Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<co
             // Smooth reads one texel further, whose codes may then spread into the rectangle.
             const CodeBounds::Range old = stamped.bounds.query(expanded(rect, 1));
             const StampRange range = range_after(stamp, old.min, old.max);
-            list.back().may_saturate = list.back().may_saturate || range.may_saturate;
+            list.back().may_saturate = list.back().may_saturate || may_saturate(index, stamp);
             stamped.bounds.widen(rect, {range.min, range.max});
             if (stamped.reading) stamped.reading->stamped_since = bounds_of(stamped.reading->stamped_since, rect);
         }
@@ -276,7 +274,8 @@ Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<co
     std::vector<TexelRect> changed;
     for (std::size_t i = 0; i < applied; ++i) changed.push_back(stamps[i].rect());
     std::vector<SlopeTarget> derived;
-    for (const TileIndex index : tiles) derived.push_back({&tile(index).set->planes, &tile(index).set->slopes, changed});
+    for (const TileIndex index : tiles)
+        derived.push_back({&tile(index).set->planes, &tile(index).set->slopes, changed});
     if (SlopePass* const pass = slope_pass()) pass->run(derived, stats_->derive);
     return drawn;
 }
@@ -362,8 +361,8 @@ ReadBackState GpuTiles::poll_read_back(TileIndex index, DetailField& field) {
     bool failed = false;
     std::erase_if(reading.in_flight, [&](const auto& slice) {
         if (failed) return false;
-        const ReadBackRing::State state = down_->poll(
-            slice.first, [&](std::span<const std::byte> bytes) { take(slice.second, bytes, read, field); });
+        const ReadBackRing::State state =
+            down_->poll(slice.first, [&](std::span<const std::byte> bytes) { take(slice.second, bytes, read, field); });
         failed = state == ReadBackRing::State::Failed;
         return state != ReadBackRing::State::Pending;
     });
@@ -439,8 +438,7 @@ std::vector<std::uint32_t> GpuTiles::codes(TileIndex index, const TexelRect& rec
 }
 
 std::uint64_t GpuTiles::working_bytes() const {
-    return (up_ ? up_->bytes() : 0) + (down_ ? down_->bytes() : 0) +
-           (slope_pass_ ? slope_pass_->bytes() : 0);
+    return (up_ ? up_->bytes() : 0) + (down_ ? down_->bytes() : 0) + (slope_pass_ ? slope_pass_->bytes() : 0);
 }
 
 Result<void> GpuTiles::reload(gl::ShaderLibrary& shaders) {

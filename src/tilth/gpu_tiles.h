@@ -27,9 +27,9 @@ namespace tilth {
 struct GpuTilesSettings {
     TilePoolSettings pool;
     SlopeSettings slopes;
-    /// Of one upload and of one read-back, each way with `slots` of them. A `fill` takes 4 (`bits16`: 2) bytes a texel for
-    /// the codes and, with executor cpu, 2 or 4 for the slopes; one that needs more than a slot goes without the ring
-    /// and counts as a fallback. Read-backs of any size are cut into slots.
+    /// Of one upload and of one read-back, each way with `slots` of them. A `fill` takes 4 (`bits16`: 2) bytes a texel
+    /// for the codes and, with executor cpu, 2 or 4 for the slopes; one that needs more than a slot goes without the
+    /// ring and counts as a fallback. Read-backs of any size are cut into slots.
     std::size_t slot_bytes = 512u << 10;
     int slots = 8;
 };
@@ -45,13 +45,16 @@ struct GpuTilesSettings {
 /// `deformer` outlive it.
 class GpuTiles final : public TileTextures {
 public:
-    /// `deformer` may be shared with other maps: whoever owns it collects its counts of saturated texels and reloads its
-    /// shaders.
+    /// `deformer` may be shared with other maps: whoever owns it collects its counts of saturated texels and reloads
+    /// its shaders.
     static Result<std::unique_ptr<GpuTiles>> create(gl::Device& device, gl::ShaderLibrary& shaders, Deformer* deformer,
                                                     const GpuTilesSettings& settings);
 
     /// Where the work is counted from now on: `deform`, `derive` (with their times) and `transfer`. Nullptr: nowhere.
     void set_stats(gl::FrameStats* stats) { stats_ = stats != nullptr ? stats : &unwanted_; }
+
+    /// Once a frame: textures that nobody wanted for a while are freed.
+    void begin_frame() { pool_.trim(); }
 
     bool acquire(TileIndex tile) override;
     void release(TileIndex tile) override;

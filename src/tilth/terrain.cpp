@@ -239,11 +239,11 @@ Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
 
 Result<void> Terrain::Impl::apply_detail(std::span<const StampRecord> records, gl::FrameStats& stats) {
     if (records.empty() && !(gpu && gpu->detail && gpu->detail->cache().has_waiting_stamps())) return {};
-    const StageClock clock(stats.deform);
     if (gpu && gpu->detail) {
         const gl::DebugGroup group(*gpu->device, "tilth: update detail");
         return gpu->detail->stamp(records, stats);
     }
+    const StageClock clock(stats.deform);
     for (const StampRecord& record : records) {  // without GL all of the map is in memory
         const ApplyResult result = ground->apply(record);
         stats.deform.texels += result.texels;

@@ -270,6 +270,25 @@ TEST_P(TileCacheTest, ATileOnItsWayOutIsRescued) {
     world.expect_equal_in_the_end(kMiddle);
 }
 
+// Rescued and left again while the first save is still being written: its textures need not wait for that.
+TEST_P(TileCacheTest, ATileThatIsLeftTwiceKeepsNoTextures) {
+    CacheWorld world(settings());
+    const StampRequest first = dent(world, 300, 300), second = dent(world, 310, 300);
+    const PostPos away{20, 20};
+    world.frame(kMiddle, {&first, 1});
+    world.store->hold();
+    ASSERT_TRUE(frames_until(world, away, [&] { return world.textures.count() == 0; }));  // read back, handed over
+    ASSERT_EQ(state(world, {4, 4}), TileState::Saving);
+    ASSERT_TRUE(world.store->wait_until_waiting());
+    ASSERT_TRUE(frames_until(world, kMiddle, [&] { return world.cache->can_be_drawn({4, 4}); }));
+    world.frame(kMiddle, {&second, 1});
+    for (int i = 0; i < 10; ++i) world.frame(away);  // time enough for read-backs
+    EXPECT_EQ(world.textures.count(), 0u);
+    world.store->release();
+    ASSERT_TRUE(leave(world));
+    world.expect_equal_in_the_end(kMiddle);
+}
+
 TEST_P(TileCacheTest, ALoadThatNobodyWantsAnyMoreIsCancelled) {
     CacheWorld world(settings());
     const StampRequest requests[] = {dent(world, 300, 300), dent(world, 340, 300), dent(world, 300, 340),

@@ -201,6 +201,25 @@ TEST_P(TileCacheWalks, ASlowStore) {
     world.expect_equal_in_the_end(at);
 }
 
+// A tile takes many frames to fill, while it and its neighbours are stamped, read back and let go.
+TEST_P(TileCacheWalks, SmallSlices) {
+    CacheWorldSettings slow = settings(112);
+    slow.budget.slice_bytes = 24 << 10;  // one page
+    slow.budget.most_bytes = 24 << 10;
+    CacheWorld world(slow);
+    const PostPos places[] = {{100, 300}, {150, 300}, {230, 300}, {300, 300}};
+    PostPos at = places[0];
+    for (int i = 0; i < kFrames / 2; ++i) {
+        if (world.random.next() % 12 == 0) at = places[world.random.next() % 4];
+        std::vector<StampRequest> requests;
+        if (world.random.next() % 3 == 0) requests.push_back(world.random_stamp(at, 60, false));
+        world.frame(at, requests);
+        if (HasFatalFailure()) return;
+        ASSERT_TRUE(i % 8 != 0 || world.wrong_texels() == 0) << "frame " << i;
+    }
+    world.expect_equal_in_the_end(at);
+}
+
 TEST_P(TileCacheWalks, SeveralViewers) {
     CacheWorld world(settings(108));
     std::vector<test::Walker> walkers(3, test::Walker(world.random, 640, 2));

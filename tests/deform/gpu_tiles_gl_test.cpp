@@ -47,12 +47,11 @@ struct World {
         (void)*shapes.add_image("noise", 37, 23, texels);
         (void)*shapes.bake("saddle", 64, [](double x, double z) { return (x * x - z * z) * 0.9; });
         (void)*shapes.add_profile("rim", [](double t) { return (1 - t) * (2 * t - 0.5); });
-        tiles = test::value(GpuTiles::create(
-            device, library, wanted.gpu_executor ? &deformer : nullptr,
-            {.pool = {.grid = grid, .precision = precision, .slopes = wanted.slopes},
-             .slopes = slope_settings(),
-             .slot_bytes = wanted.slot_bytes,
-             .slots = wanted.slots}));
+        tiles = test::value(GpuTiles::create(device, library, wanted.gpu_executor ? &deformer : nullptr,
+                                             {.pool = {.grid = grid, .precision = precision, .slopes = wanted.slopes},
+                                              .slopes = slope_settings(),
+                                              .slot_bytes = wanted.slot_bytes,
+                                              .slots = wanted.slots}));
         tiles->set_stats(&stats);
     }
     [[nodiscard]] SlopeSettings slope_settings() const { return {options.stencil, map.codec.code_quantum_m(), 1.0}; }
@@ -110,8 +109,8 @@ struct World {
         if (stamps.size() != 1 || stamps.front().reads_own_texel_only()) return;
         for (const TileIndex to : indices)
             for (const TileIndex from : indices) {
-                const TexelRect shared = intersection(intersection(stamps.front().rect(), grid.interior(from)),
-                                                      grid.stored(to));
+                const TexelRect shared =
+                    intersection(intersection(stamps.front().rect(), grid.interior(from)), grid.stored(to));
                 if (from != to && !shared.empty()) tiles->exchange(from, to, shared);
             }
     }
@@ -146,9 +145,9 @@ struct World {
             std::size_t i = 0;
             for (std::int32_t z = right.min.z; z < right.max.z; ++z)
                 for (std::int32_t x = right.min.x; x < right.max.x; ++x, i += texel) {
-                    const std::size_t at = (static_cast<std::size_t>(z - rect.min.z) * side +
-                                            static_cast<std::size_t>(x - rect.min.x)) *
-                                           texel;
+                    const std::size_t at =
+                        (static_cast<std::size_t>(z - rect.min.z) * side + static_cast<std::size_t>(x - rect.min.x)) *
+                        texel;
                     for (std::size_t c = 0; c < 2; ++c) {
                         const auto number = [&](const std::vector<std::uint8_t>& bytes, std::size_t first) {
                             return texel == 2 ? bytes[first + c] : bytes[first + 2 * c] | bytes[first + 2 * c + 1] << 8;
@@ -375,8 +374,7 @@ TEST_P(GpuTilesTest, ReadBacksBringTheCodesAndNarrowTheBounds) {
     const CodeView truth = a.gather(made.field, made.grid.map), got = b.gather(read, made.grid.map);
     const auto count = static_cast<std::size_t>(made.grid.map.count());
     EXPECT_TRUE(std::equal(got.codes, got.codes + count, truth.codes));
-    EXPECT_EQ(made.stats.transfer.bytes_down,
-              count * (GetParam().precision == HeightPrecision::bits32 ? 4u : 2u));
+    EXPECT_EQ(made.stats.transfer.bytes_down, count * (GetParam().precision == HeightPrecision::bits32 ? 4u : 2u));
 
     DetailField at_once;
     for (const TileIndex index : made.all()) {
@@ -396,7 +394,8 @@ TEST_P(GpuTilesTest, BoundsFollowWhatIsKnownOfTheGround) {
                        .radius = 20u << 18,
                        .amplitude = 0x3000'0000,
                        .map = MapKind::Detail};
-    const PreparedStamp up = prepare(record, made.map, made.shapes), down = prepare(negated(record), made.map, made.shapes);
+    const PreparedStamp up = prepare(record, made.map, made.shapes),
+                        down = prepare(negated(record), made.map, made.shapes);
     for (int i = 0; i < 3; ++i) {
         EXPECT_FALSE(made.tiles->may_saturate({0, 0}, up) && i == 0);
         made.apply({&up, 1});

@@ -2,6 +2,7 @@
 // store is told once, and no answer depends on what is in memory.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <iostream>
 #include <iterator>

@@ -32,8 +32,7 @@ protected:
     static SlopeSettings settings() { return {GetParam().stencil, 1.0 / (1 << 28), 1.0 / 30}; }
     static std::vector<std::uint8_t> stored(const SlopeMap& map) {
         std::vector<std::uint8_t> bytes(static_cast<std::size_t>(map.texture().width()) *
-                                        static_cast<std::size_t>(map.texture().height()) *
-                                        slope_bytes(map.format()));
+                                        static_cast<std::size_t>(map.texture().height()) * slope_bytes(map.format()));
         map.texture().read(0, bytes.data());
         return bytes;
     }
@@ -106,7 +105,8 @@ TEST_P(SlopeTilesTest, EqualThoseOfTheWholeMapOnTheInteriorAndATexelAround) {
                         ASSERT_LE(std::abs(cpu[at + c] - truth[in_whole + c]), 1) << x << ", " << z;
                     } else {
                         const auto half = [](const std::uint8_t* p) { return p[0] | p[1] << 8; };
-                        ASSERT_LE(std::abs(half(&cpu[at + 2 * c]) - half(&truth[in_whole + 2 * c])), 1) << x << ", " << z;
+                        ASSERT_LE(std::abs(half(&cpu[at + 2 * c]) - half(&truth[in_whole + 2 * c])), 1)
+                            << x << ", " << z;
                     }
                 }
             }

@@ -23,7 +23,8 @@ TEST(Shelves, RandomRectanglesLieApartWithinTheirLimits) {
         };
         std::vector<Placed> placed;
         for (int i = 0; i < 40; ++i) {
-            const std::int32_t w = 1 + below(round % 2 == 0 ? 40 : width + 50), d = 1 + below(round % 3 == 0 ? 250 : 40);
+            const std::int32_t w = 1 + below(round % 2 == 0 ? 40 : width + 50),
+                               d = 1 + below(round % 3 == 0 ? 250 : 40);
             const Shelves::Spot spot = shelves.add(w, d);
             const Placed added{spot.pass, {{spot.x, spot.z}, {spot.x + w, spot.z + d}}};
             EXPECT_EQ(spot.x % align, 0);

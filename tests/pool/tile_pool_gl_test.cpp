@@ -111,18 +111,31 @@ TEST_P(TilePoolTest, ATileThatWasGivenUpIsNotUsedBeforeItsFence) {
     const auto wait = gl.ClientWaitSync;
     gl.ClientWaitSync = [](GLsync, GLbitfield, GLuint64) -> GLenum { return GL_TIMEOUT_EXPIRED; };
     tiles.release({0, 0});
-    TileSet* second = test::value(tiles.acquire({1, 0}));
-    TileSet* third = test::value(tiles.acquire({2, 0}));
+    const TileSet* const too_early = test::value(tiles.acquire({1, 0}));
     gl.ClientWaitSync = wait;
-    ASSERT_NE(second, nullptr);
-    EXPECT_NE(second->planes.high().serial(), first);
-    EXPECT_EQ(third, nullptr) << "two sets exist, one of them still read by the GPU";
+    ASSERT_EQ(too_early, nullptr) << "the GPU still reads the only set";
+    EXPECT_EQ(tiles.bytes(), tiles.bytes_per_tile()) << "and no other was made";
     device().gl().Finish();
-    third = test::value(tiles.acquire({2, 0}));
-    ASSERT_NE(third, nullptr);
-    EXPECT_EQ(third->planes.high().serial(), first);
-    EXPECT_EQ(test::value(tiles.acquire({3, 0})), nullptr);
+    const TileSet* const second = test::value(tiles.acquire({1, 0}));
+    ASSERT_NE(second, nullptr);
+    EXPECT_EQ(second->planes.high().serial(), first);
+    EXPECT_NE(test::value(tiles.acquire({2, 0})), nullptr);
+    EXPECT_EQ(test::value(tiles.acquire({3, 0})), nullptr) << "two sets are the bound";
     EXPECT_EQ(tiles.resident(), 2u);
+}
+
+TEST_P(TilePoolTest, SetsThatNobodyWantsAreFreedInTime) {
+    const gl::StateGuard guard(device());
+    TilePool tiles = pool();
+    for (std::int32_t x = 0; x < 3; ++x) ASSERT_NE(test::value(tiles.acquire({x, 0})), nullptr);
+    tiles.release({0, 0});
+    tiles.release({2, 0});
+    device().gl().Finish();
+    for (int frame = 0; frame < TilePool::kIdleFrames; ++frame) tiles.trim();
+    EXPECT_EQ(tiles.bytes(), 3 * tiles.bytes_per_tile());
+    tiles.trim();
+    EXPECT_EQ(tiles.bytes(), tiles.bytes_per_tile());
+    EXPECT_NE(tiles.find({1, 0}), nullptr);
 }
 
 TEST_P(TilePoolTest, NoMemoryIsAnErrorAndTheNextTryWorks) {
@@ -159,16 +172,15 @@ TEST_P(TilePoolTest, NoMemoryIsAnErrorAndTheNextTryWorks) {
     EXPECT_NE(test::value(tiles.acquire({1, 0})), nullptr);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Contexts, TilePoolTest,
-    ::testing::Values(Case{context::Route::Egl, HeightPrecision::bits32, SlopeFormat::rg8},
-                      Case{context::Route::Egl, HeightPrecision::bits16, SlopeFormat::rg16f},
-                      Case{context::Route::Osmesa, HeightPrecision::bits32, SlopeFormat::rg16f},
-                      Case{context::Route::Osmesa, HeightPrecision::bits16, SlopeFormat::rg8}),
-    [](const auto& param_info) {
-        return std::string(param_info.param.route == context::Route::Egl ? "Egl" : "Osmesa") +
-               (param_info.param.precision == HeightPrecision::bits32 ? "Bits32" : "Bits16");
-    });
+INSTANTIATE_TEST_SUITE_P(Contexts, TilePoolTest,
+                         ::testing::Values(Case{context::Route::Egl, HeightPrecision::bits32, SlopeFormat::rg8},
+                                           Case{context::Route::Egl, HeightPrecision::bits16, SlopeFormat::rg16f},
+                                           Case{context::Route::Osmesa, HeightPrecision::bits32, SlopeFormat::rg16f},
+                                           Case{context::Route::Osmesa, HeightPrecision::bits16, SlopeFormat::rg8}),
+                         [](const auto& param_info) {
+                             return std::string(param_info.param.route == context::Route::Egl ? "Egl" : "Osmesa") +
+                                    (param_info.param.precision == HeightPrecision::bits32 ? "Bits32" : "Bits16");
+                         });
 
 }  // namespace
 }  // namespace tilth

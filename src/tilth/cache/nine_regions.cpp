@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tilth/core/checks.h"
+#include "tilth/core/result.h"
 
 namespace tilth {
 namespace {

@@ -15,6 +15,8 @@ double clock_ms() {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+constexpr std::uint64_t kBytesATexel = 6;  // for the budget: two planes and a slope, two bytes each
+
 template <class Visit>
 void for_each(const TileWindow& window, const Visit& visit) {
     for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
@@ -300,7 +302,8 @@ void TileCache::start_load(TileIndex index, Tile& tile) {
 }
 
 /// Applies up to `most_records` of the stamps that wait for a loaded tile. True when it is hot.
-bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats) {
+bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats,
+                       gl::StageStats& deform) {
     if (!pieces_are_current(index, tile)) {
         start_load(index, tile);
         return false;
@@ -308,7 +311,10 @@ bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_records, gl
     const TexelRect inside = intersection(grid_.interior(index), grid_.map);
     const MapGeometry& map = ground_.map(MapKind::Detail);
     for (; tile.applied < tile.pending.size() && most_records > 0; ++tile.applied, --most_records) {
-        apply_stamp(prepare(tile.pending[tile.applied], map, ground_.shapes()), *tile.arriving, inside);
+        const ApplyResult result =
+            apply_stamp(prepare(tile.pending[tile.applied], map, ground_.shapes()), *tile.arriving, inside);
+        deform.texels += result.texels;
+        deform.saturated += result.saturated;
         ++stats.late_stamps;
     }
     if (tile.applied < tile.pending.size()) return false;
@@ -395,18 +401,26 @@ void TileCache::release_textures(TileIndex index, Tile& tile, gl::CacheStats& st
     ++stats.evictions;
 }
 
-void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats) {
+void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageStats& deform) {
     const double start_ms = clock_ms();
     bool ring_has_room = true;
     for (const TileIndex index : by_nearness()) {
         Tile& tile = *find(index);
         while (tile.state == TileState::Loading && tile.arriving && budget.allows(0)) {
             const double began_ms = clock_ms();
-            arrive(index, tile, 1, stats);
+            arrive(index, tile, 1, stats, deform);
             budget.spend(0, clock_ms() - began_ms);
         }
         if (tile.state != TileState::Uploading || interest(index) == Interest::None || !ring_has_room) continue;
-        if (!tile.has_textures && !acquire(index, tile, stats)) continue;
+        if (!tile.has_textures) {
+            // Clearing them counts as a slice: the first of a frame, or one that the budget has room for.
+            const auto side = static_cast<std::uint64_t>(grid_.stored_size());
+            if (!budget.allows(side * side * kBytesATexel)) continue;
+            const double began_ms = clock_ms();
+            const bool acquired = acquire(index, tile, stats);
+            budget.spend(0, clock_ms() - began_ms);
+            if (!acquired) continue;
+        }
         ring_has_room = fill(index, tile, budget);
         if (tile.to_fill.empty()) finish_fill(index, tile, stats);
     }
@@ -422,7 +436,6 @@ void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats) {
 
 /// False when the ring is full.
 bool TileCache::fill(TileIndex index, Tile& tile, FrameBudget& budget) {
-    constexpr std::int64_t kBytesATexel = 6;  // two planes and a slope of two bytes each
     const auto run = static_cast<std::int32_t>(
         std::max<std::uint64_t>(budget.settings().slice_bytes / (kPageTexels * kPageTexels * kBytesATexel), 1));
     while (!tile.to_fill.empty() && budget.allows(budget.settings().slice_bytes)) {
@@ -433,7 +446,7 @@ bool TileCache::fill(TileIndex index, Tile& tile, FrameBudget& budget) {
             add_pages(tile.to_fill, rect);
             return false;
         }
-        budget.spend(static_cast<std::uint64_t>(rect.count() * kBytesATexel), clock_ms() - began_ms);
+        budget.spend(static_cast<std::uint64_t>(rect.count()) * kBytesATexel, clock_ms() - began_ms);
     }
     return true;
 }
@@ -461,7 +474,6 @@ void TileCache::finish_fill(TileIndex index, Tile& tile, gl::CacheStats& stats) 
 // ---- leaving ----
 
 void TileCache::start_save(TileIndex index, Tile& tile, gl::CacheStats& stats) {
-    if (tile.request) return;  // an earlier save of it is still on its way
     if (!tile.reading.empty()) return;
     if (!tile.newer.empty()) {
         if (textures_.begin_read_back(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map))))
@@ -469,6 +481,7 @@ void TileCache::start_save(TileIndex index, Tile& tile, gl::CacheStats& stats) {
         return;
     }
     release_textures(index, tile, stats);
+    if (tile.request) return;  // an earlier save of it is still on its way
     tile.request = DiskRequest::save(index, field_.pages_in(pages_of(grid_.interior(index))), 500);
     tile.changed = false;
     worker_.submit(tile.request);

@@ -84,7 +84,7 @@ public:
     /// as a fallback.
     Result<void> stamp(std::span<const StampRecord> records, gl::CacheStats& stats, gl::StageStats& deform);
     /// Fills textures of tiles that arrive, nearest first, as far as the budget allows.
-    void transfer(FrameBudget& budget, gl::CacheStats& stats);
+    void transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageStats& deform);
 
     // Outside frames.
 
@@ -155,7 +155,8 @@ private:
     void start_load(TileIndex index, Tile& tile);
     [[nodiscard]] std::vector<LoadPiece> pieces_for(TileIndex index, const Tile& tile) const;
     [[nodiscard]] bool pieces_are_current(TileIndex index, const Tile& tile) const;
-    bool arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats);
+    bool arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats,
+                gl::StageStats& deform);
     void make_hot(TileIndex index, Tile& tile);
     void drop(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void start_save(TileIndex index, Tile& tile, gl::CacheStats& stats);

@@ -28,7 +28,7 @@ Result<void> TileCache::step(gl::CacheStats& stats, gl::StageStats& deform) {
     const Result<void> stamped = stamp({}, stats, deform);
     FrameBudget budget = without_limit();
     const std::uint64_t missing = stats.missing_active;
-    transfer(budget, stats);
+    transfer(budget, stats, deform);
     stats.missing_active = missing;  // of frames alone
     return stamped;
 }

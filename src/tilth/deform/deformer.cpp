@@ -91,8 +91,8 @@ Deformer::ScratchPlan Deformer::plan(const StampBatch& batch, std::span<const De
     ScratchPlan plan;
     const HeightPlanes* last = nullptr;
     for (const DeformTarget& target : targets) {
-        const TexelRect held = part == Part::Whole ? target.planes->held()
-                                                   : intersection(target.counted, target.planes->held());
+        const TexelRect held =
+            part == Part::Whole ? target.planes->held() : intersection(target.counted, target.planes->held());
         for (const StampBlock& block : batch.blocks) {
             const TexelRect rect = intersection(block.rect, held);
             if (rect.empty()) continue;
@@ -100,13 +100,13 @@ Deformer::ScratchPlan Deformer::plan(const StampBatch& batch, std::span<const De
             const auto pass = static_cast<std::size_t>(spot.pass);
             if (pass >= plan.passes.size()) plan.passes.resize(pass + 1), last = nullptr;
             if (last != target.planes) plan.passes[pass].push_back({target.planes, {}}), last = target.planes;
-            plan.passes[pass].back().rects.push_back({spot.x,
-                                                      spot.z,
-                                                      spot.x + rect.width(),
-                                                      spot.z + rect.depth(),
-                                                      {rect.min.x - spot.x, rect.min.z - spot.z,
-                                                       static_cast<std::int32_t>(block.first),
-                                                       static_cast<std::int32_t>(block.count)}});
+            plan.passes[pass].back().rects.push_back(
+                {spot.x,
+                 spot.z,
+                 spot.x + rect.width(),
+                 spot.z + rect.depth(),
+                 {rect.min.x - spot.x, rect.min.z - spot.z, static_cast<std::int32_t>(block.first),
+                  static_cast<std::int32_t>(block.count)}});
         }
     }
     plan.width = shelves.width(), plan.depth = shelves.depth();

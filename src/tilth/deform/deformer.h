@@ -36,15 +36,15 @@ struct DeformTarget {
 
 /// Writes stamps into height planes.
 ///
-/// A pass draws the texels of its stamps into a scratch pair, reading the planes, and copies them back; no texel is read
-/// and written by the same draw, nothing outside the stamps' rectangles is touched. Stamps whose rules read their own
-/// texel only share passes (`plan_batches`); smooth is a pass of its own. The arithmetic is
+/// A pass draws the texels of its stamps into a scratch pair, reading the planes, and copies them back; no texel is
+/// read and written by the same draw, nothing outside the stamps' rectangles is touched. Stamps whose rules read their
+/// own texel only share passes (`plan_batches`); smooth is a pass of its own. The arithmetic is
 /// shaders/shared/stamp_math.glsl, which the CPU executor compiles as C++: both leave the same bits.
-/// Stamps across tiles: each tile's part of the rectangle, apron included, lies beside the others in the scratch, so that
-/// all tiles share one framebuffer and one set-up, with one draw a tile. The scratch grows to the largest pass seen, at
-/// most about one tile (or 1 024 x 1 024 texels); beyond that the parts go into several passes.
-/// Programs are compiled at first use, one for each combination of what a pass holds.
-/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`.
+/// Stamps across tiles: each tile's part of the rectangle, apron included, lies beside the others in the scratch, so
+/// that all tiles share one framebuffer and one set-up, with one draw a tile. The scratch grows to the largest pass
+/// seen, at most about one tile (or 1 024 x 1 024 texels); beyond that the parts go into several passes. Programs are
+/// compiled at first use, one for each combination of what a pass holds. Thread: the one that owns the context. GL
+/// state: the caller holds a `gl::StateGuard`.
 class Deformer {
 public:
     static Result<Deformer> create(gl::Device& device, gl::ShaderLibrary& shaders);

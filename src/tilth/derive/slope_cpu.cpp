@@ -37,10 +37,10 @@ Slope slope_at(const CodeView& codes, const TexelRect& map, Texel texel, const S
     const auto along_z = [&](std::int32_t step) {
         return codes.code({texel.x, std::clamp(texel.z + step, held.min.z, held.max.z - 1)});
     };
-    return {shared::slope_along(along_x(-2), along_x(-1), along_x(1), along_x(2), texel.x - map.min.x,
-                                map.width() - 1, fourth, per_m),
-            shared::slope_along(along_z(-2), along_z(-1), along_z(1), along_z(2), texel.z - map.min.z,
-                                map.depth() - 1, fourth, per_m)};
+    return {shared::slope_along(along_x(-2), along_x(-1), along_x(1), along_x(2), texel.x - map.min.x, map.width() - 1,
+                                fourth, per_m),
+            shared::slope_along(along_z(-2), along_z(-1), along_z(1), along_z(2), texel.z - map.min.z, map.depth() - 1,
+                                fourth, per_m)};
 }
 
 namespace {
@@ -177,8 +177,7 @@ void upload_slopes(std::span<const TexelRect> changed, const CodeView& codes, co
                    gl::TransferStats& transfer) {
     const TexelRect held = intersection(slopes.rect(), map);
     std::vector<TexelRect> stale;
-    for (const TexelRect& rect : changed)
-        stale.push_back(stale_slopes(rect, held, map, settings.stencil));
+    for (const TexelRect& rect : changed) stale.push_back(stale_slopes(rect, held, map, settings.stencil));
     const auto upload = slopes.format() == SlopeFormat::rg16f ? upload_rect<std::uint16_t> : upload_rect<std::uint8_t>;
     for (const TexelRect& texels : disjoint(stale)) {
         TILTH_EXPECTS(intersection(texels, codes.rect) == texels, "slopes of texels that the view does not cover");

@@ -39,19 +39,23 @@ Result<SlopePass> SlopePass::create(gl::Device& device, gl::ShaderLibrary& shade
     return SlopePass(device, std::move(*pass), std::move(*copy), format, settings);
 }
 
-void SlopePass::set_up(const HeightPlanes& planes, std::int32_t level) {
+void SlopePass::set_up(const TexelRect& map, std::int32_t level) {
     gl::Program& program = pass_.program();
-    planes.high().bind(kHigh);
-    planes.low().bind(kLow);
-    const TexelRect held = planes.held(), map = planes.map();
-    program.set(program.uniform("u_origin"), planes.origin().x, planes.origin().z);
-    program.set(program.uniform("u_first_held"), held.min.x, held.min.z);
-    program.set(program.uniform("u_last_held"), held.max.x - 1, held.max.z - 1);
     program.set(program.uniform("u_first_texel"), map.min.x, map.min.z);
     program.set(program.uniform("u_last_texel"), map.max.x - 1, map.max.z - 1);
     program.set(program.uniform("u_level"), level);
     program.set(program.uniform("u_per_m"), static_cast<float>(settings_.code_quantum_m / settings_.spacing_m));
     program.set(program.uniform("u_fourth"), settings_.stencil == SlopeStencil::Fourth ? 1 : 0);
+}
+
+void SlopePass::read_from(const HeightPlanes& planes) {
+    gl::Program& program = pass_.program();
+    planes.high().bind(kHigh);
+    planes.low().bind(kLow);
+    const TexelRect held = planes.held();
+    program.set(program.uniform("u_origin"), planes.origin().x, planes.origin().z);
+    program.set(program.uniform("u_first_held"), held.min.x, held.min.z);
+    program.set(program.uniform("u_last_held"), held.max.x - 1, held.max.z - 1);
 }
 
 std::vector<TexelRect> SlopePass::stale(const SlopeTarget& target) const {
@@ -72,7 +76,10 @@ void SlopePass::run(std::span<const TexelRect> changed, const HeightPlanes& plan
             const TexelRect texels = mip_texels(moved(rect, slopes.origin()), level);
             if (!texels.empty()) rects.push_back({texels.min.x, texels.min.z, texels.max.x, texels.max.z, {}});
         }
-        pass_.run(target, level, rects, level == 0 ? derive : mips, [&](gl::Program&) { set_up(planes, level); });
+        pass_.run(target, level, rects, level == 0 ? derive : mips, [&](gl::Program&) {
+            set_up(planes.map(), level);
+            read_from(planes);
+        });
     }
 }
 
@@ -81,11 +88,9 @@ bool SlopePass::reserve_scratch(std::int32_t width, std::int32_t depth) {
     width = std::max({width, kLeastScratch, scratch_ ? scratch_->width() : 0});
     depth = std::max({depth, kLeastScratch, scratch_ ? scratch_->height() : 0});
     scratch_.reset();
-    Result<gl::Texture2D> made =
-        gl::Texture2D::create(*device_, "slope scratch",
-                              {.format = format_ == SlopeFormat::rg8 ? gl::Format::Rg8 : gl::Format::Rg16F,
-                               .width = width,
-                               .height = depth});
+    Result<gl::Texture2D> made = gl::Texture2D::create(
+        *device_, "slope scratch",
+        {.format = format_ == SlopeFormat::rg8 ? gl::Format::Rg8 : gl::Format::Rg16F, .width = width, .height = depth});
     if (!made) return false;
     scratch_ = std::move(*made);
     return true;
@@ -107,8 +112,7 @@ void SlopePass::run(std::span<const SlopeTarget> tiles, gl::StageStats& derive) 
         TILTH_EXPECTS(tiles[t].slopes->levels() == 1, "tiles have one level of slopes");
         const std::size_t before = parts.size();
         for (const TexelRect& rect : stale(tiles[t]))
-            parts.push_back(
-                {t, moved(rect, tiles[t].slopes->origin()), shelves.add(rect.width(), rect.depth())});
+            parts.push_back({t, moved(rect, tiles[t].slopes->origin()), shelves.add(rect.width(), rect.depth())});
         touched += parts.size() > before;
     }
     if (parts.empty()) return;
@@ -124,7 +128,7 @@ void SlopePass::run(std::span<const SlopeTarget> tiles, gl::StageStats& derive) 
     for (std::size_t first = 0; first < parts.size();) {
         std::size_t end = first;
         while (end < parts.size() && parts[end].spot.pass == parts[first].spot.pass) ++end;
-        // Of each run of parts of one tile: `draw` takes the passes' draws first, then the copies.
+        // Calls `done` with the rectangles of each tile that has parts in this pass.
         const auto each_tile = [&](const auto& done) {
             for (std::size_t i = first; i < end;) {
                 const std::size_t tile = parts[i].tile;
@@ -140,8 +144,9 @@ void SlopePass::run(std::span<const SlopeTarget> tiles, gl::StageStats& derive) 
             }
         };
         pass_.begin(target, 0, derive);
+        set_up(tiles.front().planes->map(), 0);
         each_tile([&](const SlopeTarget& tile) {
-            set_up(*tile.planes, 0);
+            read_from(*tile.planes);
             pass_.draw(rects, derive);
         });
         each_tile([&](const SlopeTarget& tile) { copy_.run(*scratch_, tile.slopes->texture(), copies); });

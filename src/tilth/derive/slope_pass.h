@@ -49,7 +49,7 @@ public:
     /// `changed`: texels of the map. `derive` counts level 0, `mips` the levels above.
     void run(std::span<const TexelRect> changed, const HeightPlanes& planes, SlopeMap& slopes, gl::StageStats& derive,
              gl::StageStats& mips);
-    /// Tiles of one level each. Where the scratch is refused: a pass a tile, counted as fallback.
+    /// Tiles of one map, of one level each. Where the scratch is refused: a pass a tile, counted as fallback.
     void run(std::span<const SlopeTarget> tiles, gl::StageStats& derive);
 
     /// Reads the shader again; on failure the last good one stays in use.
@@ -61,7 +61,8 @@ public:
 private:
     SlopePass(gl::Device& device, gl::TexelPass pass, gl::TextureCopy copy, SlopeFormat format,
               const SlopeSettings& settings);
-    void set_up(const HeightPlanes& planes, std::int32_t level);
+    void set_up(const TexelRect& map, std::int32_t level);
+    void read_from(const HeightPlanes& planes);
     /// The stale slopes of a target, disjoint, clipped to what it holds.
     [[nodiscard]] std::vector<TexelRect> stale(const SlopeTarget& target) const;
     bool reserve_scratch(std::int32_t width, std::int32_t depth);

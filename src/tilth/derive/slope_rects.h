@@ -34,8 +34,7 @@ constexpr TexelRect derivable_slopes(const TexelRect& held, const TexelRect& map
 /// The slopes of a tile that holds `held` and that a change of `changed` makes stale.
 constexpr TexelRect stale_slopes(const TexelRect& changed, const TexelRect& held, const TexelRect& map,
                                  SlopeStencil stencil) {
-    return intersection(stale_slopes(intersection(changed, held), held, stencil),
-                        derivable_slopes(held, map, stencil));
+    return intersection(stale_slopes(intersection(changed, held), held, stencil), derivable_slopes(held, map, stencil));
 }
 
 /// The texels of mip level `level` whose posts (i << level, j << level) lie in `posts`. May be empty.

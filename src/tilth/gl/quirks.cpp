@@ -24,6 +24,10 @@ Quirks quirks_of(std::string_view vendor, std::string_view renderer) {
     // llvmpipe (measured): glTexSubImage2D to a texture that draws in flight sample blocks for the rest of the frame,
     // even for 256 KiB; to another texture it returns at once.
     quirks.upload_to_texture_in_use_waits = quirks.software_rasterizer;
+
+    // llvmpipe (Mesa 22.3.6, measured): glClear of a 2 052 x 2 052 R16 target takes about 5 ms of CPU time, uploading as
+    // many constant texels about 1 ms.
+    quirks.uploads_beat_clears = quirks.software_rasterizer;
     return quirks;
 }
 

@@ -10,6 +10,7 @@ struct Quirks {
     bool software_rasterizer = false;             ///< draws run on the CPU: prefer CPU executors, GPU time is CPU time
     bool timer_queries_lie = false;               ///< GL_TIME_ELAPSED and GL_TIMESTAMP do not measure draws
     bool readback_waits = false;                  ///< glReadPixels into a buffer waits for all draws before it
+    bool uploads_beat_clears = false;             ///< a whole texture is filled faster by uploads than by glClear
     bool upload_to_texture_in_use_waits = false;  ///< so upload before the first draw of a frame
 
     friend bool operator==(const Quirks&, const Quirks&) = default;

@@ -18,9 +18,9 @@ HeightPlanes::HeightPlanes(std::vector<gl::Texture2D> planes, gl::Framebuffer re
 Result<HeightPlanes> HeightPlanes::create(gl::Device& device, const PlanesSpec& spec) {
     std::vector<gl::Texture2D> planes;
     const auto add = [&](const char* name) -> Result<void> {
-        Result<gl::Texture2D> plane = gl::Texture2D::create(
-            device, text(spec.label, ", ", name, " plane"),
-            {.format = gl::Format::R16, .width = spec.rect.width(), .height = spec.rect.depth()});
+        Result<gl::Texture2D> plane =
+            gl::Texture2D::create(device, text(spec.label, ", ", name, " plane"),
+                                  {.format = gl::Format::R16, .width = spec.rect.width(), .height = spec.rect.depth()});
         if (!plane) return plane.error();
         planes.push_back(std::move(*plane));
         return {};
@@ -42,10 +42,10 @@ std::vector<const gl::Texture2D*> HeightPlanes::targets() const {
     return all;
 }
 
-void HeightPlanes::clear(TextureFill& fill) const {
+void HeightPlanes::clear(TextureFill& fill) {
     for (std::size_t p = 0; p < planes_.size(); ++p) {
         const std::uint32_t bits = p == 0 ? kMidCode >> 16 : kMidCode & 0xffffu;
-        fill.run(planes_[p], 0, (static_cast<float>(bits) + 0.25f) / 65535.0f);
+        fill.run(planes_[p], 0, {.red = (static_cast<float>(bits) + 0.25f) / 65535.0f, .texel = bits});
     }
 }
 

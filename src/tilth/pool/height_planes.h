@@ -24,8 +24,8 @@ struct PlanesSpec {
     HeightPrecision precision = HeightPrecision::bits32;
 };
 
-/// The codes of a dense map, or of one tile of a map, as textures. Texel (0, 0) of the textures is texel `rect().min` of
-/// the map; nearest filtering, clamped, one mip level (coarser clipmap levels read every 2^l-th texel, which is the
+/// The codes of a dense map, or of one tile of a map, as textures. Texel (0, 0) of the textures is texel `rect().min`
+/// of the map; nearest filtering, clamped, one mip level (coarser clipmap levels read every 2^l-th texel, which is the
 /// sub-sampled mip).
 /// Planes: high = code >> 16, low = code & 0xffff, both R16 unorm, exact. With `bits16` there is no low plane.
 /// All rectangles are texels of the map.
@@ -61,7 +61,7 @@ public:
     /// The same textures for another part of the map; their content stays.
     void move_to(Texel origin) { origin_ = origin; }
     /// Every texel becomes the code of untouched detail, 2^31; on the GPU, exact.
-    void clear(TextureFill& fill) const;
+    void clear(TextureFill& fill);
 
     /// Copies `rect`, a part of `rect()` and of `codes.rect`, to the textures. Blocks if a queued draw still reads them
     /// on software GL: call it before the frame's first draw.

@@ -37,10 +37,12 @@ Result<SlopeMap> SlopeMap::create(gl::Device& device, const SlopeSpec& spec) {
     return made;
 }
 
-void SlopeMap::clear(TextureFill& fill) const {
+void SlopeMap::clear(TextureFill& fill) {
     // The padding too: a filter's weight of 0 times an undefined half float may be NaN.
-    const float flat = format_ == SlopeFormat::rg8 ? 128.25f / 255.0f : 0.0f;
-    for (std::int32_t level = 0; level < levels(); ++level) fill.run(texture_, level, flat, flat);
+    const FillValue flat = format_ == SlopeFormat::rg8
+                               ? FillValue{.red = 128.25f / 255.0f, .green = 128.25f / 255.0f, .texel = 0x8080}
+                               : FillValue{};
+    for (std::int32_t level = 0; level < levels(); ++level) fill.run(texture_, level, flat);
 }
 
 std::uint64_t SlopeMap::bytes() const { return texture_.bytes(); }

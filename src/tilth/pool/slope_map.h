@@ -33,8 +33,8 @@ class SlopeMap {
 public:
     static constexpr std::int32_t kLevels = 8;  ///< of the coarse map
 
-    /// Flat until the slope pass has run. Fails when the size exceeds the context's limit or cannot be drawn to, or with
-    /// OutOfMemory.
+    /// Flat until the slope pass has run. Fails when the size exceeds the context's limit or cannot be drawn to, or
+    /// with OutOfMemory.
     static Result<SlopeMap> create(gl::Device& device, const SlopeSpec& spec);
     /// Of a whole coarse map.
     static Result<SlopeMap> create(gl::Device& device, std::int32_t width, std::int32_t depth, SlopeFormat format) {
@@ -54,7 +54,7 @@ public:
     /// The same texture for another part of the map; its content stays.
     void move_to(Texel origin) { origin_ = origin; }
     /// Every texel of every level, padding included, becomes flat; on the GPU, exact.
-    void clear(TextureFill& fill) const;
+    void clear(TextureFill& fill);
 
 private:
     SlopeMap(gl::Texture2D texture, const SlopeSpec& spec);

@@ -31,12 +31,14 @@ struct TileSet {
 };
 
 /// Owns one set of textures for each tile that asked for one: stored_size^2 texels of 4 bytes (`bits16`: 2) and of a
-/// slope (2 or 4). Nothing exists before the first `acquire`; `most_tiles` bounds what exists ever after. A set that was
-/// given up is used again once the GPU is done with everything that was asked of it (its fence has passed); until then
-/// a new one is made, within the bound.
+/// slope (2 or 4). Nothing exists before the first `acquire`. A set that was given up is used again once the GPU is done
+/// with everything that was asked of it (its fence has passed); until then the next tile waits for it, so that no more
+/// sets exist than were in use at once. A set that nobody wants for `kIdleFrames` frames is freed.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`. Never waits.
 class TilePool {
 public:
+    static constexpr int kIdleFrames = 60;
+
     TilePool(gl::Device& device, const TilePoolSettings& settings) : device_(&device), settings_(settings) {}
 
     /// Textures for `tile`, which has none: every code 2^31, every slope flat. Nullptr: all of them are in use or still
@@ -45,6 +47,8 @@ public:
     Result<TileSet*> acquire(TileIndex tile);
     /// `tile` has textures.
     void release(TileIndex tile);
+    /// Frees sets that nobody wanted. Once a frame.
+    void trim();
 
     /// Nullptr where the tile has none. Valid until its `release`.
     [[nodiscard]] TileSet* find(TileIndex tile);
@@ -60,6 +64,7 @@ private:
     struct Released {
         std::unique_ptr<TileSet> set;
         gl::Fence done;
+        int idle_frames = 0;
     };
     /// A set that nothing uses; nullptr where there is none now.
     Result<std::unique_ptr<TileSet>> take(TileIndex tile);

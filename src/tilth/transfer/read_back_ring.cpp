@@ -71,6 +71,9 @@ std::optional<std::uint64_t> ReadBackRing::begin(std::span<const Piece> pieces, 
                       text("a piece of ", format.name, " starts at byte ", offset_bytes));
         const gl::Texture2D* const attachments[] = {piece.texture};
         framebuffer_.attach(attachments);
+        // For reading alone: a driver may finish all draws before it reads what is also bound to be drawn to (llvmpipe
+        // does: tens of milliseconds behind a heavy draw).
+        gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
         gl.ReadPixels(piece.rect.min_x, piece.rect.min_y, piece.rect.width(), piece.rect.height(), format.layout,
                       format.type, const_cast<void*>(gl::offset_pointer(offset_bytes)));
         offset_bytes += bytes_of(piece);
