@@ -31,14 +31,14 @@ std::uint64_t bytes_of_tile(const TileGrid& grid, HeightPrecision precision, Slo
 Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl::ShaderLibrary& shaders, Ground& ground,
                                                          const TerrainSettings& settings, Deformer* deformer) {
     const TileSettings& tiles = settings.tiles;
-    if (!(tiles.band >= 0.02 && tiles.band <= 0.9)) return invalid(text("band: ", tiles.band, " is not in [0.02, 0.9]"));
+    if (!(tiles.band >= 0.02 && tiles.band <= 0.9))
+        return invalid(text("band: ", tiles.band, " is not in [0.02, 0.9]"));
     const std::int32_t needed = least_apron(settings.stencil);
     if (tiles.apron != 0 && (tiles.apron < needed || tiles.apron > kMostApron))
         return invalid(text("apron: ", tiles.apron, " texels is not in ", needed, "..", kMostApron));
     const MapGeometry& map = ground.map(MapKind::Detail);
-    const TileGrid grid{.size = ground.settings().tile_size,
-                        .apron = tiles.apron == 0 ? needed : tiles.apron,
-                        .map = map.grid.rect()};
+    const TileGrid grid{
+        .size = ground.settings().tile_size, .apron = tiles.apron == 0 ? needed : tiles.apron, .map = map.grid.rect()};
     const std::uint64_t tile_bytes = bytes_of_tile(grid, map.precision, settings.slopes);
     std::size_t most_tiles = 0;
     if (tiles.most_gpu_bytes != 0) {
@@ -61,9 +61,9 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
     if (!textures) return textures.error();
     std::unique_ptr<DetailStage> made(new DetailStage(ground, settings, std::move(*textures)));
     if (!tiles.store) made->own_store_ = std::make_shared<MemoryStore>();
-    Result<std::unique_ptr<TileCache>> cache = TileCache::create(
-        ground, grid, tiles.store ? tiles.store : made->own_store_, *made->textures_,
-        {.band = tiles.band, .gpu_executor = deformer != nullptr, .most_tiles = most_tiles});
+    Result<std::unique_ptr<TileCache>> cache =
+        TileCache::create(ground, grid, tiles.store ? tiles.store : made->own_store_, *made->textures_,
+                          {.band = tiles.band, .gpu_executor = deformer != nullptr, .most_tiles = most_tiles});
     if (!cache) return cache.error();
     made->cache_ = std::move(*cache);
     const GridSpec& posts = ground.map(MapKind::Coarse).grid;
@@ -87,8 +87,7 @@ void DetailStage::set_default_viewer(WorldPos eye) {
 
 void DetailStage::begin(gl::FrameStats& stats) {
     const double now_ms = clock_ms();
-    const double rest_ms =
-        began_ms_ < 0 ? std::numeric_limits<double>::quiet_NaN() : now_ms - began_ms_ - transfer_ms_;
+    const double rest_ms = began_ms_ < 0 ? std::numeric_limits<double>::quiet_NaN() : now_ms - began_ms_ - transfer_ms_;
     began_ms_ = now_ms;
     budget_.begin_frame(rest_ms);
     textures_->set_stats(&stats);
@@ -100,7 +99,7 @@ Result<void> DetailStage::stamp(std::span<const StampRecord> records, gl::FrameS
     textures_->set_stats(&stats);
     // What the textures do counts its own time, slopes apart; the rest is the CPU executor's.
     const double counted_ms = stats.deform.cpu_ms + stats.derive.cpu_ms, start_ms = clock_ms();
-    Result<void> applied = cache_->stamp(records, stats.cache, stats.deform);
+    Result<void> applied = cache_->stamp(records, stats.deform);
     stats.deform.cpu_ms += clock_ms() - start_ms - (stats.deform.cpu_ms + stats.derive.cpu_ms - counted_ms);
     return applied;
 }
@@ -158,8 +157,7 @@ Result<std::uint64_t> DetailStage::hash(gl::FrameStats& stats) {
     return cache_->hash(stats.cache, stats.deform);
 }
 
-std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const Vec3d& direction,
-                                                        double max_m) const {
+std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const Vec3d& direction, double max_m) const {
     std::vector<Ahead> ahead;
     const double length = std::hypot(direction.x, direction.y, direction.z);
     if (!(length > 0) || !std::isfinite(length)) return ahead;
@@ -187,6 +185,8 @@ std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const
     return ahead;
 }
 
-std::uint64_t DetailStage::waiting_bytes() const { return cache_->waiting_bytes() + (own_store_ ? own_store_->bytes() : 0); }
+std::uint64_t DetailStage::waiting_bytes() const {
+    return cache_->waiting_bytes() + (own_store_ ? own_store_->bytes() : 0);
+}
 
 }  // namespace tilth

@@ -22,8 +22,8 @@ namespace tilth {
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard` wherever `uses_gl` says so.
 class DetailStage {
 public:
-    /// Makes no texture: they wait for the first stamp. `deformer`: of executor gpu, else nullptr. Fails with InvalidArgument (band, apron, a
-    /// memory bound below four tiles) or the store's error.
+    /// Makes no texture: they wait for the first stamp. `deformer`: of executor gpu, else nullptr. Fails with
+    /// InvalidArgument (band, apron, a memory bound below four tiles) or the store's error.
     static Result<std::unique_ptr<DetailStage>> create(gl::Device& device, gl::ShaderLibrary& shaders, Ground& ground,
                                                        const TerrainSettings& settings, Deformer* deformer);
 
@@ -32,7 +32,7 @@ public:
     void set_default_viewer(WorldPos eye);
 
     /// False on untouched ground, where a frame has nothing to do.
-    [[nodiscard]] bool uses_gl() const { return !cache_->is_idle(); }
+    [[nodiscard]] bool uses_gl() const { return !cache_->is_untouched(); }
     void begin(gl::FrameStats& stats);
     Result<void> stamp(std::span<const StampRecord> records, gl::FrameStats& stats);
     void transfer(gl::FrameStats& stats);
@@ -45,8 +45,8 @@ public:
     Result<void> require(std::span<const TileIndex> tiles, gl::FrameStats& stats);
     Result<std::uint64_t> hash(gl::FrameStats& stats);
 
-    /// Tiles that a ray's shadow crosses and whose codes are not in the field, and where it enters them, metres along the
-    /// normalised direction; nearest first.
+    /// Tiles that a ray's shadow crosses and whose codes are not in the field, and where it enters them, metres along
+    /// the normalised direction; nearest first.
     struct Ahead {
         double distance_m = 0;
         TileIndex tile;
@@ -71,9 +71,9 @@ private:
     std::unique_ptr<GpuTiles> textures_;
     std::shared_ptr<MemoryStore> own_store_;  ///< where the host gave none
     std::unique_ptr<TileCache> cache_;
-    bool has_viewers_ = false;       ///< the host's own
-    double began_ms_ = -1;           ///< when the last frame began
-    double transfer_ms_ = 0;         ///< of the last frame
+    bool has_viewers_ = false;  ///< the host's own
+    double began_ms_ = -1;      ///< when the last frame began
+    double transfer_ms_ = 0;    ///< of the last frame
 };
 
 }  // namespace tilth

@@ -1,34 +1,18 @@
 #include "tilth/gpu_tiles.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <utility>
 
 #include "tilth/core/checks.h"
 #include "tilth/core/log.h"
 #include "tilth/gl/api.h"
+#include "tilth/gl/stage_clock.h"
 #include "tilth/ground/stamp_range.h"
 #include "tilth/pool/gl_rect.h"
 
 namespace tilth {
 namespace {
-
-/// Adds the wall time of its scope to a stage.
-class StageClock {
-public:
-    explicit StageClock(gl::StageStats& stats) : stats_(stats) {}
-    ~StageClock() {
-        const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start_;
-        stats_.cpu_ms += passed.count();
-    }
-    StageClock(const StageClock&) = delete;
-    StageClock& operator=(const StageClock&) = delete;
-
-private:
-    gl::StageStats& stats_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// One plane of the codes of `rect`, row by row, to memory that must be written once and front to back.
 void write_plane(const DetailField& field, const TexelRect& rect, std::uint32_t shift, std::uint16_t* out) {
@@ -158,7 +142,7 @@ bool GpuTiles::fill(TileIndex index, const TexelRect& rect, const DetailField& f
     }
     if (deformer_ != nullptr) note_codes(filled, part, field);
     if (pass == nullptr) return true;
-    const StageClock clock(stats_->derive);
+    const gl::StageClock clock(stats_->derive);
     pass->run({&part, 1}, filled.set->planes, filled.set->slopes, stats_->derive, stats_->mips);
     return true;
 }
@@ -174,7 +158,7 @@ void GpuTiles::fill_at_once(Tile& filled, const TexelRect& part, const DetailFie
     const CodeView codes = gathered_.gather(field, slopes ? bounds_of(part, read_by(stale, set)) : part);
     set.planes.upload(codes, part, stats_->transfer);
     if (!slopes) return;
-    const StageClock clock(stats_->derive);
+    const gl::StageClock clock(stats_->derive);
     upload_slopes({&part, 1}, codes, set.planes.map(), settings_.slopes, set.slopes, stats_->derive, stats_->mips,
                   stats_->transfer);
 }
@@ -204,7 +188,7 @@ bool GpuTiles::fill_through_ring(Tile& filled, const TexelRect& part, const Deta
     write_plane(field, part, 16, reinterpret_cast<std::uint16_t*>(bytes->data()));
     if (two_planes) write_plane(field, part, 0, reinterpret_cast<std::uint16_t*>(bytes->data() + plane_bytes));
     if (!stale.empty()) {
-        const StageClock clock(stats_->derive);
+        const gl::StageClock clock(stats_->derive);
         store_slopes(stale, gathered_.gather(field, read_by(stale, set)), set.planes.map(), settings_.slopes,
                      settings_.pool.slopes, bytes->data() + codes_bytes);
     }
@@ -267,10 +251,10 @@ Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<co
     }
     Result<void> drawn;
     {
-        const StageClock clock(stats_->deform);
+        const gl::StageClock clock(stats_->deform);
         drawn = deformer_->apply(list, targets, stats_->deform, applied);
     }
-    const StageClock clock(stats_->derive);
+    const gl::StageClock clock(stats_->derive);
     std::vector<TexelRect> changed;
     for (std::size_t i = 0; i < applied; ++i) changed.push_back(stamps[i].rect());
     std::vector<SlopeTarget> derived;
@@ -292,7 +276,7 @@ void GpuTiles::exchange(TileIndex from, TileIndex to, const TexelRect& rect) {
     for (std::size_t p = 0; p < sources.size(); ++p) copy_.run(*sources[p], *copies[p], {&copy, 1});
     other.bounds.widen(part, owner.bounds.query(part));
     if (other.reading) other.reading->stamped_since = bounds_of(other.reading->stamped_since, part);
-    const StageClock clock(stats_->derive);
+    const gl::StageClock clock(stats_->derive);
     if (SlopePass* const pass = slope_pass())
         pass->run({&part, 1}, other.set->planes, other.set->slopes, stats_->derive, stats_->mips);
 }

@@ -1,20 +1,20 @@
 #include "tilth/terrain.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "tilth/core/log.h"
 #include "tilth/deform/deformer.h"
-#include "tilth/detail_stage.h"
 #include "tilth/derive/slope_pass.h"
+#include "tilth/detail_stage.h"
 #include "tilth/executor_choice.h"
 #include "tilth/gl/api.h"
 #include "tilth/gl/debug_group.h"
 #include "tilth/gl/device.h"
 #include "tilth/gl/shader_library.h"
+#include "tilth/gl/stage_clock.h"
 #include "tilth/gl/state_guard.h"
 #include "tilth/ground/raycast.h"
 #include "tilth/ground/stamp_range.h"
@@ -35,22 +35,6 @@ struct GpuStages {
     std::optional<SlopeMap> slopes;
     std::optional<TerrainRenderer> renderer;
     std::unique_ptr<DetailStage> detail;  ///< worlds with a detail map
-};
-
-/// Adds the wall time of its scope to a stage.
-class StageClock {
-public:
-    explicit StageClock(gl::StageStats& stats) : stats_(stats) {}
-    ~StageClock() {
-        const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start_;
-        stats_.cpu_ms += passed.count();
-    }
-    StageClock(const StageClock&) = delete;
-    StageClock& operator=(const StageClock&) = delete;
-
-private:
-    gl::StageStats& stats_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace
@@ -243,7 +227,7 @@ Result<void> Terrain::Impl::apply_detail(std::span<const StampRecord> records, g
         const gl::DebugGroup group(*gpu->device, "tilth: update detail");
         return gpu->detail->stamp(records, stats);
     }
-    const StageClock clock(stats.deform);
+    const gl::StageClock clock(stats.deform);
     for (const StampRecord& record : records) {  // without GL all of the map is in memory
         const ApplyResult result = ground->apply(record);
         stats.deform.texels += result.texels;
@@ -278,7 +262,7 @@ Result<void> Terrain::Impl::apply_coarse(std::span<const StampRecord> coarse, gl
 
 void Terrain::Impl::apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                                  std::vector<TexelRect>& changed) {
-    const StageClock clock(stats.deform);
+    const gl::StageClock clock(stats.deform);
     for (const StampRecord& record : records) {
         const ApplyResult result = ground->apply(record);
         stats.deform.texels += result.texels;
@@ -295,7 +279,7 @@ bool Terrain::Impl::may_saturate(const PreparedStamp& stamp) const {
 
 Result<void> Terrain::Impl::apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
                                          std::vector<TexelRect>& changed) {
-    const StageClock clock(stats.deform);
+    const gl::StageClock clock(stats.deform);
     const MapGeometry& map = ground->map(MapKind::Coarse);
     std::vector<DeformStamp> stamps;
     std::vector<const StampRecord*> placed;
@@ -339,7 +323,7 @@ Result<void> Terrain::Impl::apply_on_gpu(std::span<const StampRecord> records, g
 }
 
 void Terrain::Impl::derive(std::span<const TexelRect> changed, gl::FrameStats& stats) {
-    const StageClock clock(stats.derive);
+    const gl::StageClock clock(stats.derive);
     if (gpu->slope_pass)
         gpu->slope_pass->run(changed, *gpu->planes, *gpu->slopes, stats.derive, stats.mips);
     else
@@ -411,7 +395,8 @@ double Terrain::height_m(WorldPos at, MapSelect select) {
     Impl& impl = *impl_;
     impl.read_back(impl.before);
     if (select != MapSelect::Coarse) {
-        const Result<void> here = impl.with_detail([&](DetailStage& detail) { return detail.require(at, impl.before); });
+        const Result<void> here =
+            impl.with_detail([&](DetailStage& detail) { return detail.require(at, impl.before); });
         if (!here) return std::numeric_limits<double>::quiet_NaN();
     }
     return impl.ground->height_m(at, select);
@@ -424,8 +409,9 @@ std::optional<double> Terrain::raycast(const Vec3d& from, const Vec3d& direction
     // As far as the ground is in memory; beyond, tile by tile.
     for (const auto& [distance_m, tile] : impl.gpu->detail->away_along(from, direction, max_m)) {
         if (const std::optional<double> hit = tilth::raycast(*impl.ground, from, direction, distance_m)) return hit;
-        const Result<void> here = impl.with_detail(
-            [&, index = tile](DetailStage& detail) { return detail.require({&index, 1}, impl.before); });
+        const Result<void> here = impl.with_detail([&, index = tile](DetailStage& detail) {
+            return detail.require({&index, 1}, impl.before);
+        });
         if (!here) return std::nullopt;
     }
     return tilth::raycast(*impl.ground, from, direction, max_m);

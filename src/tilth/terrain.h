@@ -32,11 +32,11 @@ enum class ExecutorKind : std::uint8_t {
 
 /// How detail tiles come and go. Tile size and texels a post are `GroundSettings`.
 struct TileSettings {
-    double band = 0.1;         ///< width of the central band as a fraction of a tile, 0.02..0.9: how early tiles load
-    std::int32_t apron = 0;    ///< texels round a tile; 0: what filtering and the slope stencil need, at most 16
-    BudgetSettings budget;     ///< of transfers in a frame
-    /// Most bytes of tile textures; 0: nine tiles a viewer. Less than four tiles is refused. Tiles that find no room are
-    /// not drawn; nearer ones displace farther ones.
+    double band = 0.1;       ///< width of the central band as a fraction of a tile, 0.02..0.9: how early tiles load
+    std::int32_t apron = 0;  ///< texels round a tile; 0: what filtering and the slope stencil need, at most 16
+    BudgetSettings budget;   ///< of transfers in a frame
+    /// Most bytes of tile textures; 0: nine tiles a viewer. Less than four tiles is refused. Tiles that find no room
+    /// are not drawn; nearer ones displace farther ones.
     std::uint64_t most_gpu_bytes = 0;
     /// Where tiles lie that are not in memory. Empty: a `MemoryStore` of the terrain's own.
     std::shared_ptr<TileStore> store;
@@ -134,19 +134,20 @@ public:
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound
     /// a complete one with a depth attachment and cleared both (depth to 1, or 0 with `DepthConvention::Reversed`);
     /// depth test, culling and masks are set here. Colours are linear RGB; GL encodes them where the host enabled
-    /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading. Fails without GL, with settings out of range,
-    /// and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
+    /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading. Fails without GL, with settings
+    /// out of range, and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
     /// Waits until everything queued is in the ground, the CPU's coarse copy is current, and all tiles that the viewers
     /// want are resident. Counted outside the frame. Fails like `update`, and when the store cannot give a tile.
     Result<void> drain();
 
-    /// Height of the surface, metres. Waits where the GPU holds newer codes or the place's detail tile is not in memory;
-    /// NaN where the store cannot give it (`take_errors` says why).
+    /// Height of the surface, metres. Waits where the GPU holds newer codes or the place's detail tile is not in
+    /// memory; NaN where the store cannot give it (`take_errors` says why).
     [[nodiscard]] double height_m(WorldPos at, MapSelect select = MapSelect::Sum);
     /// First hit of a ray with the drawn surface (coarse + detail), metres along `direction` normalised; empty: a miss,
-    /// or a detail tile on the way that the store cannot give. Waits like `height_m`, only for tiles that the ray reaches.
+    /// or a detail tile on the way that the store cannot give. Waits like `height_m`, only for tiles that the ray
+    /// reaches.
     [[nodiscard]] std::optional<double> raycast(const Vec3d& from, const Vec3d& direction, double max_m);
     /// State of both maps, wherever their tiles are (`Ground::hash` has the layout). Waits. Fails when the store cannot
     /// give a tile.

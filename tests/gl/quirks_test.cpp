@@ -33,8 +33,10 @@ TEST(FrameStats, totals_add_every_member) {
         stage->cpu_ms = static_cast<double>(n++);
     }
     frame.transfer = {n, n + 1};
+    frame.cache = {n, n + 1, n + 2, n + 3, n + 4, n + 5, n + 6, n + 7, static_cast<double>(n + 8)};
     // No padding: every member of the struct is eight bytes, so all of them can be walked.
-    static_assert(sizeof(StageStats) == 8 * 8 + 8 && sizeof(FrameStats) == 4 * sizeof(StageStats) + 16);
+    static_assert(sizeof(StageStats) == 8 * 8 + 8 && sizeof(CacheStats) == 8 * 8 + 8 &&
+                  sizeof(FrameStats) == 4 * sizeof(StageStats) + 16 + sizeof(CacheStats));
     FrameStats total = frame;
     total += frame;
     for (auto [stage, sum] : {std::pair{&frame.deform, &total.deform},
@@ -47,6 +49,8 @@ TEST(FrameStats, totals_add_every_member) {
         EXPECT_EQ(sum->cpu_ms, 2 * stage->cpu_ms);
     }
     EXPECT_EQ(total.transfer, (TransferStats{2 * n, 2 * n + 2}));
+    EXPECT_EQ(total.cache, (CacheStats{2 * n, 2 * n + 2, 2 * n + 4, 2 * n + 6, 2 * n + 8, 2 * n + 10, 2 * n + 12,
+                                       2 * n + 14, static_cast<double>(2 * n + 16)}));
     EXPECT_EQ(total.fallbacks(), 2 * frame.fallbacks());
 }
 

@@ -14,8 +14,8 @@ std::vector<TexelRect> rects_of(const std::set<PageIndex>& pages, const TexelRec
         const PageIndex first = *page;
         std::int32_t end = first.z;
         while (page != pages.end() && page->x == first.x && page->z == end) ++end, ++page;
-        const TexelRect run = intersection(
-            {texels_of(first).min, {(first.x + 1) * kPageTexels, end * kPageTexels}}, clip);
+        const TexelRect run =
+            intersection({texels_of(first).min, {(first.x + 1) * kPageTexels, end * kPageTexels}}, clip);
         if (run.empty()) continue;
         bool joined = false;
         for (TexelRect& before : runs)

@@ -1,31 +1,23 @@
 #include "tilth/cache/tile_cache.h"
 
 #include <algorithm>
-#include <chrono>
 #include <tuple>
 #include <utility>
 
 #include "tilth/cache/page_runs.h"
+#include "tilth/core/clock.h"
 #include "tilth/ground/cpu_executor.h"
 
 namespace tilth {
 namespace {
 
-double clock_ms() {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-constexpr std::uint64_t kBytesATexel = 6;  // for the budget: two planes and a slope, two bytes each
-
-template <class Visit>
-void for_each(const TileWindow& window, const Visit& visit) {
-    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
-        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) visit(TileIndex{x, z});
-}
+constexpr std::uint64_t kNotLoaded = ~std::uint64_t{0};
+constexpr std::size_t kStampsAStep = 8;      // applied between two looks at the clock
+constexpr std::size_t kMostArrivals = 1024;  // remembered for a host that does not ask
 
 template <class Visit>
 void for_each_neighbour(TileIndex of, const Visit& visit) {
-    for_each(TileWindow{{of.x - 1, of.z - 1}, {of.x + 1, of.z + 1}}, [&](TileIndex index) {
+    for_each_tile(TileWindow{{of.x - 1, of.z - 1}, {of.x + 1, of.z + 1}}, [&](TileIndex index) {
         if (index != of) visit(index);
     });
 }
@@ -41,6 +33,11 @@ Result<std::unique_ptr<TileCache>> TileCache::create(Ground& ground, const TileG
     std::unique_ptr<TileCache> made(new TileCache(ground, grid, std::move(store), textures, settings));
     for (const TileIndex index : *stored)
         if (grid.exists(index)) made->tiles_[index].stored = true;
+    for (const TileIndex index : *stored)
+        for_each_neighbour(index, [&](TileIndex at) {
+            if (grid.exists(index) && grid.exists(at) && made->tiles_.try_emplace(at).second)
+                made->tiles_[at].suspected = true;
+        });
     return made;
 }
 
@@ -55,13 +52,12 @@ TileCache::TileCache(Ground& ground, const TileGrid& grid, std::shared_ptr<TileS
 
 // ---- what there is ----
 
-TileCache::Tile* TileCache::find(TileIndex index) {
-    const auto found = tiles_.find(index);
-    return found == tiles_.end() ? nullptr : &found->second;
-}
 const TileCache::Tile* TileCache::find(TileIndex index) const {
     const auto found = tiles_.find(index);
-    return found == tiles_.end() ? nullptr : &found->second;
+    return found == tiles_.end() || found->second.clean ? nullptr : &found->second;
+}
+TileCache::Tile* TileCache::find(TileIndex index) {
+    return const_cast<Tile*>(static_cast<const TileCache*>(this)->find(index));
 }
 
 bool TileCache::is_hot(TileIndex index) const {
@@ -102,7 +98,7 @@ bool TileCache::can_be_drawn(TileIndex index) const {
 std::vector<CachedTile> TileCache::tiles() const {
     std::vector<CachedTile> all;
     for (const auto& [index, tile] : tiles_)
-        all.push_back({index, tile.state, interest(index), tile.modified, tile.pending.size()});
+        if (!tile.clean) all.push_back({index, tile.state, interest(index), tile.modified, tile.pending.size()});
     return all;
 }
 
@@ -112,8 +108,9 @@ std::vector<Error> TileCache::take_errors() { return std::exchange(errors_, {});
 std::uint64_t TileCache::waiting_bytes() const {
     std::uint64_t sum = 0;
     for (const auto& [index, tile] : tiles_) {
-        sum += tile.pending.size() * sizeof(StampRecord);
-        if (tile.arriving) sum += tile.arriving->pages().size() * sizeof(PageCodes);
+        sum += tile.pending.size() * sizeof(PreparedStamp);
+        if (tile.arriving)
+            sum += (tile.arriving->own.pages().size() + tile.arriving->guests.pages().size()) * sizeof(PageCodes);
     }
     return sum;
 }
@@ -150,13 +147,14 @@ void TileCache::update(double now_ms, gl::CacheStats& stats) {
 void TileCache::start_wanted(gl::CacheStats& stats) {
     std::vector<TileIndex> wanted;
     for (const ViewerTiles& viewer : viewers_)
-        for_each(viewer.loaded, [&](TileIndex index) { wanted.push_back(index); });
+        for_each_tile(viewer.loaded, [&](TileIndex index) { wanted.push_back(index); });
     for (const std::set<TileIndex>* set : {&required_, &awaited_, &crowded_})
         wanted.insert(wanted.end(), set->begin(), set->end());
     for (const TileIndex index : wanted) {
         Tile* tile = find(index);
         if (tile == nullptr) continue;
         if (tile->state == TileState::Absent && now_ms_ < tile->retry_at_ms) continue;
+        if (interest(index) >= Interest::Loaded) tile->yielding = false;  // unless it is still in a nearer one's way
         send(index, *tile, TileEvent::Wanted, stats);
     }
 }
@@ -191,7 +189,6 @@ void TileCache::send(TileIndex index, Tile& tile, TileEvent event, gl::CacheStat
             if (tile.request) tile.request->cancel();
             tile.request.reset();
             tile.arriving.reset();
-            tile.pieces.clear();
             break;
         case TileAction::StartSave:
             start_save(index, tile, stats);
@@ -238,16 +235,7 @@ void TileCache::deliver(const std::shared_ptr<DiskRequest>& done, gl::CacheStats
     }
     ++stats.loads;
     tile->pause_ms = 0, tile->retry_at_ms = 0, tile->reported = false;
-    tile->arriving = std::make_unique<DetailField>();
-    tile->applied = 0;
-    tile->pieces.clear();
-    for (LoadPiece& piece : done->pieces) {
-        if (piece.tile != done->tile) {
-            tile->pieces.push_back(std::move(piece));
-            continue;
-        }
-        for (Page& page : piece.loaded) tile->arriving->put(std::move(page));
-    }
+    begin_arrival(done->tile, *tile, done->pieces);
 }
 
 void TileCache::fail(Tile& tile, const Error& error, gl::CacheStats& stats) {
@@ -276,23 +264,11 @@ std::vector<LoadPiece> TileCache::pieces_for(TileIndex index, const Tile& tile) 
     return pieces;
 }
 
-/// A neighbour may have been saved, and its codes dropped, since they were asked for.
-bool TileCache::pieces_are_current(TileIndex index, const Tile& tile) const {
-    const std::vector<LoadPiece> wanted = pieces_for(index, tile);
-    return std::all_of(wanted.begin(), wanted.end(), [&](const LoadPiece& piece) {
-        return piece.tile == index || std::any_of(tile.pieces.begin(), tile.pieces.end(), [&](const LoadPiece& have) {
-                   return have.tile == piece.tile && have.version == piece.version;
-               });
-    });
-}
-
 void TileCache::start_load(TileIndex index, Tile& tile) {
     tile.arriving.reset();
-    tile.applied = 0;
     std::vector<LoadPiece> pieces = pieces_for(index, tile);
-    tile.pieces.clear();
     if (pieces.empty()) {
-        tile.arriving = std::make_unique<DetailField>();
+        begin_arrival(index, tile, {});
         return;
     }
     const auto rank = static_cast<std::uint32_t>(Interest::Active) - static_cast<std::uint32_t>(interest(index));
@@ -301,60 +277,108 @@ void TileCache::start_load(TileIndex index, Tile& tile) {
     worker_.submit(tile.request);
 }
 
-/// Applies up to `most_records` of the stamps that wait for a loaded tile. True when it is hot.
-bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats,
+void TileCache::begin_arrival(TileIndex index, Tile& tile, std::span<LoadPiece> loaded) {
+    tile.arriving = std::make_unique<Arrival>();
+    Arrival& arrival = *tile.arriving;
+    const PageRect stored = pages_of(grid_.stored(index));
+    for_each_neighbour(index, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        const PageRect strip = intersection(stored, pages_of(grid_.interior(at)));
+        if (neighbour == nullptr || neighbour->hot || strip.empty()) return;
+        // What the store has of it counts only if it came along.
+        const std::uint64_t version = neighbour->stored ? kNotLoaded : neighbour->version;
+        arrival.neighbours.push_back({.owner = at, .version = version, .pages = strip});
+    });
+    for (LoadPiece& piece : loaded) {
+        for (Arrival::Guest& guest : arrival.neighbours)
+            if (guest.owner == piece.tile) guest.version = piece.version;
+        for (Page& page : piece.loaded) (piece.tile == index ? arrival.own : arrival.guests).put(std::move(page));
+    }
+}
+
+/// False when a neighbour was saved, and its codes dropped, since they were asked for: or touched for the first time.
+bool TileCache::is_current(TileIndex index, const Arrival& arrival) const {
+    bool current = true;
+    const PageRect stored = pages_of(grid_.stored(index));
+    for_each_neighbour(index, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        if (neighbour == nullptr || neighbour->hot || intersection(stored, pages_of(grid_.interior(at))).empty())
+            return;
+        current = current && std::any_of(arrival.neighbours.begin(), arrival.neighbours.end(), [&](const auto& guest) {
+                      return guest.owner == at && guest.version == neighbour->version;
+                  });
+    });
+    return current;
+}
+
+/// Applies up to `most_stamps` of those that wait for a loaded tile and for the guests that come with it. True when it
+/// is hot, or was found to be untouched.
+bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl::CacheStats& stats,
                        gl::StageStats& deform) {
-    if (!pieces_are_current(index, tile)) {
+    if (!is_current(index, *tile.arriving)) {
         start_load(index, tile);
         return false;
     }
+    Arrival& arrival = *tile.arriving;
     const TexelRect inside = intersection(grid_.interior(index), grid_.map);
-    const MapGeometry& map = ground_.map(MapKind::Detail);
-    for (; tile.applied < tile.pending.size() && most_records > 0; ++tile.applied, --most_records) {
-        const ApplyResult result =
-            apply_stamp(prepare(tile.pending[tile.applied], map, ground_.shapes()), *tile.arriving, inside);
+    for (; arrival.applied < tile.pending.size() && most_stamps > 0; ++arrival.applied, --most_stamps) {
+        const ApplyResult result = apply_stamp(tile.pending[arrival.applied], arrival.own, inside);
         deform.texels += result.texels;
         deform.saturated += result.saturated;
         ++stats.late_stamps;
     }
-    if (tile.applied < tile.pending.size()) return false;
+    for (Arrival::Guest& guest : arrival.neighbours) {
+        const Tile* owner = find(guest.owner);
+        if (owner == nullptr || owner->hot) continue;
+        const TexelRect clip =
+            intersection({texels_of(guest.pages.min).min, texels_of(guest.pages.max).min}, grid_.map);
+        for (; guest.applied < owner->pending.size() && most_stamps > 0; ++guest.applied) {
+            if (intersection(owner->pending[guest.applied].rect(), clip).empty()) continue;
+            apply_stamp(owner->pending[guest.applied], arrival.guests, clip);
+            --most_stamps;
+        }
+    }
+    if (most_stamps == 0) return false;  // perhaps there is more
+    if (tile.suspected) {
+        tile.suspected = false;
+        if (tile.pending.empty() && apron_is_untouched(index, arrival)) {
+            tile.arriving.reset();
+            tile.state = TileState::Absent;
+            tile.clean = true;
+            live_.erase(index);
+            return true;
+        }
+        tile.modified = tile.changed = true;  // the store shall know of it
+    }
     make_hot(index, tile);
     send(index, tile, TileEvent::Loaded, stats);
     return true;
 }
 
+bool TileCache::apron_is_untouched(TileIndex index, const Arrival& arrival) const {
+    const TexelRect stored = intersection(grid_.stored(index), grid_.map);
+    std::vector<std::uint32_t> codes(static_cast<std::size_t>(stored.count()));
+    const auto width = static_cast<std::size_t>(stored.width());
+    const auto untouched = [&](const DetailField& field) {
+        field.copy(stored, codes.data(), width);
+        return std::all_of(codes.begin(), codes.end(), [](std::uint32_t code) { return code == kMidCode; });
+    };
+    return untouched(field_) && untouched(arrival.guests);
+}
+
 void TileCache::make_hot(TileIndex index, Tile& tile) {
+    const std::unique_ptr<Arrival> arrival = std::move(tile.arriving);
     const auto replace = [&](const PageRect& rect, const DetailField& by) {
         for (const Page& page : field_.pages_in(rect)) field_.erase(page.index);
-        for (const auto& [at, codes] : by.pages()) field_.put({at, codes});
+        for (Page& page : by.pages_in(rect)) field_.put(std::move(page));
     };
-    const PageRect own = pages_of(grid_.interior(index));
-    const std::unique_ptr<DetailField> arriving = std::move(tile.arriving);
-    replace(own, *arriving);
-
-    // Guests: what the store has of the cold neighbours, and what fell on them since.
-    const MapGeometry& map = ground_.map(MapKind::Detail);
-    for_each_neighbour(index, [&](TileIndex at) {
-        const Tile* neighbour = find(at);
-        if (neighbour == nullptr || neighbour->hot) return;
-        const PageRect strip = intersection(pages_of(grid_.stored(index)), pages_of(grid_.interior(at)));
-        if (strip.empty()) return;  // no apron
-        DetailField guests;
-        for (LoadPiece& piece : tile.pieces)
-            if (piece.tile == at)
-                for (Page& page : piece.loaded) guests.put(std::move(page));
-        const TexelRect clip = intersection({texels_of(strip.min).min, texels_of(strip.max).min}, grid_.map);
-        for (const StampRecord& record : neighbour->pending) {
-            const PreparedStamp stamp = prepare(record, map, ground_.shapes());
-            apply_stamp(stamp, guests, clip);
-        }
-        replace(strip, guests);
-    });
+    replace(pages_of(grid_.interior(index)), arrival->own);
+    for (const Arrival::Guest& guest : arrival->neighbours)
+        if (const Tile* owner = find(guest.owner); owner != nullptr && !owner->hot)
+            replace(guest.pages, arrival->guests);
     tile.hot = true;
     tile.pending.clear();
     tile.pending.shrink_to_fit();
-    tile.applied = 0;
-    tile.pieces.clear();
     crowded_.erase(index);
 }
 
@@ -408,14 +432,14 @@ void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageSt
         Tile& tile = *find(index);
         while (tile.state == TileState::Loading && tile.arriving && budget.allows(0)) {
             const double began_ms = clock_ms();
-            arrive(index, tile, 1, stats, deform);
+            arrive(index, tile, kStampsAStep, stats, deform);
             budget.spend(0, clock_ms() - began_ms);
         }
         if (tile.state != TileState::Uploading || interest(index) == Interest::None || !ring_has_room) continue;
         if (!tile.has_textures) {
             // Clearing them counts as a slice: the first of a frame, or one that the budget has room for.
             const auto side = static_cast<std::uint64_t>(grid_.stored_size());
-            if (!budget.allows(side * side * kBytesATexel)) continue;
+            if (!budget.allows(side * side * settings_.bytes_a_texel)) continue;
             const double began_ms = clock_ms();
             const bool acquired = acquire(index, tile, stats);
             budget.spend(0, clock_ms() - began_ms);
@@ -426,7 +450,7 @@ void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageSt
     }
     std::set<TileIndex> active;
     for (const ViewerTiles& viewer : viewers_)
-        for_each(viewer.active, [&](TileIndex index) { active.insert(index); });
+        for_each_tile(viewer.active, [&](TileIndex index) { active.insert(index); });
     for (const TileIndex index : active) {
         const Tile* tile = find(index);
         if (tile != nullptr && !tile->current) ++stats.missing_active;
@@ -436,8 +460,8 @@ void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageSt
 
 /// False when the ring is full.
 bool TileCache::fill(TileIndex index, Tile& tile, FrameBudget& budget) {
-    const auto run = static_cast<std::int32_t>(
-        std::max<std::uint64_t>(budget.settings().slice_bytes / (kPageTexels * kPageTexels * kBytesATexel), 1));
+    const auto run = static_cast<std::int32_t>(std::max<std::uint64_t>(
+        budget.settings().slice_bytes / (kPageTexels * kPageTexels * settings_.bytes_a_texel), 1));
     while (!tile.to_fill.empty() && budget.allows(budget.settings().slice_bytes)) {
         const double began_ms = clock_ms();
         const TexelRect rect = take_run(tile.to_fill, run, grid_.stored(index));
@@ -446,7 +470,7 @@ bool TileCache::fill(TileIndex index, Tile& tile, FrameBudget& budget) {
             add_pages(tile.to_fill, rect);
             return false;
         }
-        budget.spend(static_cast<std::uint64_t>(rect.count()) * kBytesATexel, clock_ms() - began_ms);
+        budget.spend(static_cast<std::uint64_t>(rect.count()) * settings_.bytes_a_texel, clock_ms() - began_ms);
     }
     return true;
 }
@@ -468,7 +492,7 @@ void TileCache::finish_fill(TileIndex index, Tile& tile, gl::CacheStats& stats) 
         arrival.lead_texels = i == 0 ? lead : std::min(arrival.lead_texels, lead);
     }
     tile.wanted_ms = -1;
-    arrivals_.push_back(arrival);
+    if (arrivals_.size() < kMostArrivals) arrivals_.push_back(arrival);
 }
 
 // ---- leaving ----
@@ -498,17 +522,21 @@ void TileCache::poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stat
         if (state != ReadBackState::Done) {
             tile.newer.insert(read.begin(), read.end());
         } else {
-            // Neighbours that are being filled took these texels from the field before they were right.
-            for_each_neighbour(index, [&](TileIndex at) {
-                Tile* neighbour = find(at);
-                if (neighbour == nullptr || !neighbour->has_textures || neighbour->current) return;
-                const PageRect stored = pages_of(grid_.stored(at));
-                for (const PageIndex page : read)
-                    if (stored.contains(page)) neighbour->to_fill.insert(page);
-            });
+            refill_neighbours(index, read);
         }
     }
     if (tile.yielding && tile.newer.empty() && tile.reading.empty()) give_up_textures(index, tile, stats);
+}
+
+/// The field now has what it lacked. Neighbours that are being filled took those texels before they were right.
+void TileCache::refill_neighbours(TileIndex index, const std::set<PageIndex>& read) {
+    for_each_neighbour(index, [&](TileIndex at) {
+        Tile* neighbour = find(at);
+        if (neighbour == nullptr || !neighbour->has_textures || neighbour->current) return;
+        const PageRect stored = pages_of(grid_.stored(at));
+        for (const PageIndex page : read)
+            if (stored.contains(page)) neighbour->to_fill.insert(page);
+    });
 }
 
 void TileCache::drop(TileIndex index, Tile& tile, gl::CacheStats& stats) {

@@ -27,6 +27,7 @@ struct TileCacheSettings {
     double band = 0.1;           ///< of a tile's width, see nine_regions.h
     bool gpu_executor = false;   ///< stamps are drawn into the textures, which are then ahead of the codes in memory
     std::size_t most_tiles = 0;  ///< with textures; 0: as many as the viewers want
+    std::uint64_t bytes_a_texel = 6;                    ///< of textures, for the budget
     double least_retry_ms = 250, most_retry_ms = 8000;  ///< pauses after a failed request, doubled each time
     /// Stamps that wait for an absent tile before it is fetched, brought up to date and saved in the background.
     std::size_t most_pending = 16384;
@@ -63,6 +64,8 @@ struct CachedArrival {
 /// remembered (`newer`) and read back before the tile is saved.
 /// Whatever comes and goes, the codes are those that a ground which applies every record at once would have.
 ///
+/// What the store has not been given is lost with the cache: stamps that wait, and codes of tiles that are in memory.
+///
 /// Threads: all members are for one thread; the store has a worker of its own. Nothing waits but `settle`, `require`
 /// and `hash`. GL: through `TileTextures` alone.
 class TileCache {
@@ -75,14 +78,14 @@ public:
     // A frame: viewers, update, stamp, transfer.
 
     void set_viewers(std::span<const WorldPos> viewers);
-    /// Takes in what the worker finished, and starts what the viewers' places ask for. `now_ms`: a clock that never goes
-    /// back.
+    /// Takes in what the worker finished, and starts what the viewers' places ask for. `now_ms`: a clock that never
+    /// goes back.
     void update(double now_ms, gl::CacheStats& stats);
     /// Applies detail records in order: at once where tiles are hot, else when they arrive. `smooth`, which reads
     /// neighbours, waits until all its tiles are hot, and later records on those tiles wait behind it.
     /// Fails when the gpu executor cannot run; the records are then applied by the CPU, nothing is lost, and it counts
     /// as a fallback.
-    Result<void> stamp(std::span<const StampRecord> records, gl::CacheStats& stats, gl::StageStats& deform);
+    Result<void> stamp(std::span<const StampRecord> records, gl::StageStats& deform);
     /// Fills textures of tiles that arrive, nearest first, as far as the budget allows.
     void transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageStats& deform);
 
@@ -93,7 +96,9 @@ public:
     Result<void> settle(gl::CacheStats& stats, gl::StageStats& deform);
     /// Waits until the field holds the codes of `tiles` as they are now. They stay there until the next `update`.
     Result<void> require(std::span<const TileIndex> tiles, gl::CacheStats& stats, gl::StageStats& deform);
-    /// Whether `require` would have nothing to do for a tile.
+    /// Tiles for which `require` would have something to do.
+    [[nodiscard]] std::vector<TileIndex> tiles_not_in_field() const;
+    /// Whether it would have nothing to do for a tile.
     [[nodiscard]] bool is_in_field(TileIndex tile) const;
     /// State hash of the whole detail map, wherever its tiles are. Cost: one tile in memory at a time.
     Result<std::uint64_t> hash(gl::CacheStats& stats, gl::StageStats& deform);
@@ -109,13 +114,27 @@ public:
     [[nodiscard]] bool can_be_drawn(TileIndex tile) const;
     /// Records that wait for tiles and are tried again by `stamp`.
     [[nodiscard]] bool has_waiting_stamps() const { return !deferred_.empty(); }
-    /// Nothing is in memory or on its way: a frame has nothing to do here.
+    /// Nothing is in memory or on its way.
     [[nodiscard]] bool is_idle() const { return live_.empty() && worker_.outstanding() == 0; }
+    /// Nothing was ever stamped: a frame has nothing to do here.
+    [[nodiscard]] bool is_untouched() const { return tiles_.empty(); }
     [[nodiscard]] std::size_t textured_tiles() const { return textured_.size(); }
     /// Stamps that wait for absent tiles, and pages of tiles that are not in the field yet.
     [[nodiscard]] std::uint64_t waiting_bytes() const;
 
 private:
+    /// What came for a tile, not in the field yet.
+    struct Arrival {
+        struct Guest {
+            TileIndex owner;  ///< a cold neighbour
+            std::uint64_t version = 0;
+            PageRect pages;           ///< of it, those that reach into the tile's apron
+            std::size_t applied = 0;  ///< of the owner's pending stamps
+        };
+        DetailField own, guests;
+        std::size_t applied = 0;  ///< of the tile's pending stamps
+        std::vector<Guest> neighbours;
+    };
     struct Tile {
         TileState state = TileState::Absent;
         bool hot = false;
@@ -126,20 +145,20 @@ private:
         bool changed = false;       ///< since the save on its way, if one is, was handed to the worker
         bool current = false;       ///< its textures hold its codes (with the gpu executor: and are the truth)
         std::uint64_t version = 0;  ///< saves of it that are done
-        std::vector<StampRecord> pending;  ///< while cold: since it was last hot
-        std::size_t applied = 0;           ///< of `pending`, to `arriving`
-        std::unique_ptr<DetailField> arriving;  ///< loaded, until all of `pending` is applied
-        std::shared_ptr<DiskRequest> request;   ///< with the worker
-        std::vector<LoadPiece> pieces;          ///< of the neighbours, once loaded
-        std::set<PageIndex> to_fill;            ///< where its textures are behind the field
-        std::set<PageIndex> newer;              ///< where they are ahead of it
-        std::set<PageIndex> reading;            ///< of `newer`, on the way
+        bool suspected =
+            false;           ///< known to the store's list alone, beside a stored tile: its apron may hold something
+        bool clean = false;  ///< it was, and it does not: as if there were no entry
+        std::vector<PreparedStamp> pending;    ///< while cold: since it was last hot
+        std::unique_ptr<Arrival> arriving;     ///< loaded; until all that fell on it since is applied
+        std::shared_ptr<DiskRequest> request;  ///< with the worker
+        std::set<PageIndex> to_fill;           ///< where its textures are behind the field
+        std::set<PageIndex> newer;             ///< where they are ahead of it
+        std::set<PageIndex> reading;           ///< of `newer`, on the way
         double retry_at_ms = 0, pause_ms = 0, wanted_ms = -1;
         Error trouble;          ///< the last, while `pause_ms` is not 0
         bool reported = false;  ///< it
     };
     struct Task {
-        StampRecord record;
         PreparedStamp prepared;
         TileWindow window;  ///< tiles that it reads or changes, aprons included
     };
@@ -154,13 +173,15 @@ private:
     void let_go_unwanted(gl::CacheStats& stats);
     void start_load(TileIndex index, Tile& tile);
     [[nodiscard]] std::vector<LoadPiece> pieces_for(TileIndex index, const Tile& tile) const;
-    [[nodiscard]] bool pieces_are_current(TileIndex index, const Tile& tile) const;
-    bool arrive(TileIndex index, Tile& tile, std::size_t most_records, gl::CacheStats& stats,
-                gl::StageStats& deform);
+    void begin_arrival(TileIndex index, Tile& tile, std::span<LoadPiece> loaded);
+    [[nodiscard]] bool is_current(TileIndex index, const Arrival& arrival) const;
+    [[nodiscard]] bool apron_is_untouched(TileIndex index, const Arrival& arrival) const;
+    bool arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl::CacheStats& stats, gl::StageStats& deform);
     void make_hot(TileIndex index, Tile& tile);
     void drop(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void start_save(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats);
+    void refill_neighbours(TileIndex index, const std::set<PageIndex>& read);
     void release_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
     bool make_room(TileIndex index, gl::CacheStats& stats);
     bool give_up_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
@@ -194,8 +215,9 @@ private:
 
     // tile_cache_settle.cpp
     Result<void> step(gl::CacheStats& stats, gl::StageStats& deform);
-    Result<void> wait_until(const std::function<bool()>& reached, const std::set<TileIndex>& tiles,
-                            gl::CacheStats& stats, gl::StageStats& deform);
+    enum class Waited : std::uint8_t { Reached, NoTextures };
+    Result<Waited> wait_until(const std::function<bool()>& reached, const std::set<TileIndex>& tiles,
+                              gl::CacheStats& stats, gl::StageStats& deform);
     void read_back_now(TileIndex index, Tile& tile);
 
     Ground& ground_;
@@ -207,11 +229,11 @@ private:
     std::set<TileIndex> live_;         ///< of them, those that are not absent
     std::set<TileIndex> crowded_;      ///< absent ones with too many stamps waiting
     std::set<TileIndex> textured_;
-    std::set<TileIndex> required_;     ///< by `require`
+    std::set<TileIndex> required_;  ///< by `require`
     std::vector<ViewerTiles> viewers_;
     std::vector<PostPos> viewer_texels_;
-    std::deque<Task> deferred_;  ///< smooth that waits for tiles, and what waits behind it
-    std::set<TileIndex> awaited_;       ///< tiles of `deferred_`
+    std::deque<Task> deferred_;             ///< smooth that waits for tiles, and what waits behind it
+    std::set<TileIndex> awaited_;           ///< tiles of `deferred_`
     std::vector<PreparedStamp> gpu_batch_;  ///< own-texel stamps for the tiles of `gpu_tiles_`, in order
     std::set<TileIndex> gpu_tiles_;
     std::map<TileIndex, std::vector<TexelRect>> fills_;  ///< of this frame's stamps, textures that exist

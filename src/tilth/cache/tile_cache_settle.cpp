@@ -25,7 +25,7 @@ FrameBudget without_limit() {
 /// What a frame does, without its budget.
 Result<void> TileCache::step(gl::CacheStats& stats, gl::StageStats& deform) {
     update(now_ms_, stats);
-    const Result<void> stamped = stamp({}, stats, deform);
+    const Result<void> stamped = stamp({}, deform);
     FrameBudget budget = without_limit();
     const std::uint64_t missing = stats.missing_active;
     transfer(budget, stats, deform);
@@ -33,39 +33,50 @@ Result<void> TileCache::step(gl::CacheStats& stats, gl::StageStats& deform) {
     return stamped;
 }
 
-/// Goes on until `reached`. Fails with the store's error when one of `tiles` cannot be had.
-Result<void> TileCache::wait_until(const std::function<bool()>& reached, const std::set<TileIndex>& tiles,
-                                   gl::CacheStats& stats, gl::StageStats& deform) {
+/// Goes on until `reached`. Fails with the store's error when one of `tiles` cannot be had. `NoTextures`: what is left
+/// waits for textures that are not to be had.
+Result<TileCache::Waited> TileCache::wait_until(const std::function<bool()>& reached, const std::set<TileIndex>& tiles,
+                                                gl::CacheStats& stats, gl::StageStats& deform) {
+    constexpr int kPatience = 16;                             // rounds in which nothing is on its way
     for (auto& [index, tile] : tiles_) tile.retry_at_ms = 0;  // whoever waits asks again at once
+    const auto under_way = [&](TileIndex index) {
+        const Tile& tile = *find(index);
+        return tile.arriving || !tile.reading.empty() || (tile.has_textures && !tile.to_fill.empty()) ||
+               (!tile.newer.empty() && (tile.yielding || awaited_.contains(index) || tile.state == TileState::Saving));
+    };
     for (int idle = 0; !reached();) {
-        if (const Result<void> stepped = step(stats, deform); !stepped) return stepped;
+        if (const Result<void> stepped = step(stats, deform); !stepped) return stepped.error();
         if (reached()) break;
         for (const TileIndex index : tiles)
             if (const Tile* tile = find(index); tile != nullptr && tile->retry_at_ms > now_ms_) return tile->trouble;
         if (const std::shared_ptr<DiskRequest> done = worker_.wait()) {
             deliver(done, stats);
             idle = 0;
-        } else {
-            textures_.finish();
-            if (++idle > 8) break;  // textures that are not to be had: what is left waits for room
+            continue;
         }
+        textures_.finish();
+        idle = std::any_of(live_.begin(), live_.end(), under_way) ? 0 : idle + 1;
+        if (idle > kPatience) return Waited::NoTextures;
     }
-    return {};
+    return Waited::Reached;
 }
 
 Result<void> TileCache::settle(gl::CacheStats& stats, gl::StageStats& deform) {
-    std::set<TileIndex> wanted(awaited_.begin(), awaited_.end());
+    std::set<TileIndex> wanted = awaited_;
     for (const ViewerTiles& viewer : viewers_)
-        for (std::int32_t z = viewer.loaded.min.z; z <= viewer.loaded.max.z; ++z)
-            for (std::int32_t x = viewer.loaded.min.x; x <= viewer.loaded.max.x; ++x)
-                if (find({x, z}) != nullptr) wanted.insert({x, z});
-    return wait_until(
+        for_each_tile(viewer.loaded, [&](TileIndex index) {
+            if (find(index) != nullptr) wanted.insert(index);
+        });
+    const Result<Waited> waited = wait_until(
         [&] {
             return deferred_.empty() && std::all_of(wanted.begin(), wanted.end(), [&](TileIndex index) {
-                       return find(index)->current || interest(index) < Interest::Loaded;
+                       const Tile* tile = find(index);
+                       return tile == nullptr || tile->current || interest(index) < Interest::Loaded;
                    });
         },
         wanted, stats, deform);
+    if (!waited) return waited.error();
+    return {};  // those that find no textures are not drawn, by the host's own bound
 }
 
 Result<void> TileCache::require(std::span<const TileIndex> tiles, gl::CacheStats& stats, gl::StageStats& deform) {
@@ -74,15 +85,26 @@ Result<void> TileCache::require(std::span<const TileIndex> tiles, gl::CacheStats
         if (find(index) != nullptr) required_.insert(index);
     std::set<TileIndex> needed = required_;
     needed.insert(awaited_.begin(), awaited_.end());
-    const auto reached = [&] {
-        return deferred_.empty() &&
-               std::all_of(required_.begin(), required_.end(), [&](TileIndex index) { return is_hot(index); });
-    };
-    Result<void> outcome = wait_until(reached, needed, stats, deform);
+    const Result<Waited> waited = wait_until(
+        [&] {
+            return deferred_.empty() && std::all_of(required_.begin(), required_.end(), [&](TileIndex index) {
+                       return find(index) == nullptr || is_hot(index);
+                   });
+        },
+        needed, stats, deform);
     for (const TileIndex index : required_)
-        if (Tile& tile = *find(index); tile.hot) read_back_now(index, tile);
+        if (Tile* tile = find(index); tile != nullptr && tile->hot) read_back_now(index, *tile);
     required_.clear();
-    return outcome;
+    if (!waited) return waited.error();
+    TILTH_ASSERT(*waited == Waited::Reached, "codes wait for textures");
+    return {};
+}
+
+std::vector<TileIndex> TileCache::tiles_not_in_field() const {
+    std::vector<TileIndex> away;
+    for (const auto& [index, tile] : tiles_)
+        if (!is_in_field(index)) away.push_back(index);
+    return away;
 }
 
 bool TileCache::is_in_field(TileIndex index) const {
@@ -91,15 +113,13 @@ bool TileCache::is_in_field(TileIndex index) const {
 }
 
 Result<std::uint64_t> TileCache::hash(gl::CacheStats& stats, gl::StageStats& deform) {
-    if (const Result<void> settled =
-            wait_until([&] { return deferred_.empty(); }, std::set(awaited_), stats, deform);
-        !settled)
-        return settled.error();
+    const Result<Waited> waited = wait_until([&] { return deferred_.empty(); }, std::set(awaited_), stats, deform);
+    if (!waited) return waited.error();
+    TILTH_ASSERT(*waited == Waited::Reached, "stamps wait for textures");
     std::vector<TileIndex> order;
-    for (const auto& [index, tile] : tiles_) order.push_back(index);
-    std::sort(order.begin(), order.end(),
-              [](TileIndex a, TileIndex b) { return a.z != b.z ? a.z < b.z : a.x < b.x; });
-    const MapGeometry& map = ground_.map(MapKind::Detail);
+    for (const auto& [index, tile] : tiles_)
+        if (!tile.clean) order.push_back(index);
+    std::sort(order.begin(), order.end(), [](TileIndex a, TileIndex b) { return a.z != b.z ? a.z < b.z : a.x < b.x; });
     StateHasher hasher;
     for (const TileIndex index : order) {
         Tile& tile = *find(index);
@@ -121,9 +141,8 @@ Result<std::uint64_t> TileCache::hash(gl::CacheStats& stats, gl::StageStats& def
             if (!request->outcome) return request->outcome.error();
             for (Page& page : request->pieces.front().loaded) codes.put(std::move(page));
         }
-        for (const StampRecord& record : tile.pending)
-            apply_stamp(prepare(record, map, ground_.shapes()), codes,
-                        intersection(grid_.interior(index), grid_.map));
+        for (const PreparedStamp& stamp : tile.pending)
+            apply_stamp(stamp, codes, intersection(grid_.interior(index), grid_.map));
         add_tile_to_hash(hasher, index, grid_.size, codes.pages_in(pages));
     }
     return hasher.digest();
@@ -131,17 +150,18 @@ Result<std::uint64_t> TileCache::hash(gl::CacheStats& stats, gl::StageStats& def
 
 /// The field holds what the tile's textures hold. Waits for the GPU.
 void TileCache::read_back_now(TileIndex index, Tile& tile) {
-    if (!tile.reading.empty()) {
-        // On its way already: let it come, lest it overwrite what is read here.
+    // What is on its way comes first, lest it overwrite what is read here; a large one takes several rounds of the
+    // ring.
+    gl::CacheStats none;
+    const bool yielding = std::exchange(tile.yielding, false);
+    while (!tile.reading.empty()) {
         textures_.finish();
-        gl::CacheStats none;
-        const bool yielding = std::exchange(tile.yielding, false);
         poll_read_back(index, tile, none);
-        tile.yielding = yielding;
     }
+    tile.yielding = yielding;
     if (tile.newer.empty()) return;
     textures_.read_back_now(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map)), field_);
-    tile.newer.clear();
+    refill_neighbours(index, std::exchange(tile.newer, {}));
 }
 
 }  // namespace tilth

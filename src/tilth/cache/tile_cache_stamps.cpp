@@ -10,16 +10,10 @@
 namespace tilth {
 namespace {
 
-template <class Visit>
-void for_each(const TileWindow& window, const Visit& visit) {
-    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
-        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) visit(TileIndex{x, z});
-}
-
 template <class Condition>
 bool any_of(const TileWindow& window, const Condition& condition) {
     bool found = false;
-    for_each(window, [&](TileIndex index) { found = found || condition(index); });
+    for_each_tile(window, [&](TileIndex index) { found = found || condition(index); });
     return found;
 }
 
@@ -31,22 +25,21 @@ void count(gl::StageStats& deform, const ApplyResult& result) {
 }  // namespace
 
 TileCache::Task TileCache::task_of(const StampRecord& record) const {
-    Task task{.record = record, .prepared = prepare(record, ground_.map(MapKind::Detail), ground_.shapes())};
+    Task task{.prepared = prepare(record, ground_.map(MapKind::Detail), ground_.shapes())};
     const TexelRect rect = task.prepared.rect();
     if (!rect.empty())
         task.window = tiles_storing(grid_, task.prepared.reads_own_texel_only() ? rect : expanded(rect, 1));
     return task;
 }
 
-Result<void> TileCache::stamp(std::span<const StampRecord> records, gl::CacheStats& /*stats*/,
-                              gl::StageStats& deform) {
+Result<void> TileCache::stamp(std::span<const StampRecord> records, gl::StageStats& deform) {
     gpu_outcome_ = {};
     const auto run_or_wait = [&](Task task) {
         if (!must_wait(task)) {
             if (task.prepared.reads_own_texel_only()) return execute(task, deform);
             if (execute_smooth(task, deform)) return;
         }
-        for_each(task.window, [&](TileIndex index) { awaited_.insert(index); });
+        for_each_tile(task.window, [&](TileIndex index) { awaited_.insert(index); });
         deferred_.push_back(std::move(task));
     };
     awaited_.clear();
@@ -82,7 +75,7 @@ bool TileCache::smooth_is_ready(const Task& task) {
         }))
         return true;
     bool ready = true;
-    for_each(task.window, [&](TileIndex index) {
+    for_each_tile(task.window, [&](TileIndex index) {
         Tile* tile = find(index);
         if (tile == nullptr || !on_gpu(*tile)) return;
         if (gpu_tiles_.contains(index) || !tile->newer.empty() || !tile->reading.empty()) ready = false;
@@ -95,8 +88,10 @@ bool TileCache::smooth_is_ready(const Task& task) {
 
 /// The tile's entry, made if no stamp had ever reached it: then it is hot at once where a viewer is near.
 TileCache::Tile& TileCache::touched(TileIndex index, bool inside) {
-    const auto [found, is_new] = tiles_.try_emplace(index);
+    const auto [found, inserted] = tiles_.try_emplace(index);
     Tile& tile = found->second;
+    const bool is_new = inserted || tile.clean;
+    tile.clean = false;
     if (is_new && interest(index) != Interest::None) make_fresh(index, tile);
     if (is_new || inside) tile.modified = tile.changed = true;
     return tile;
@@ -109,7 +104,8 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
     live_.insert(index);
     const bool has_room = settings_.most_tiles == 0 || textured_.size() < settings_.most_tiles;
     gl::CacheStats none;
-    if (interest(index) == Interest::None || !has_room || !acquire(index, tile, none)) return;  // `transfer` tries again
+    if (interest(index) == Interest::None || !has_room || !acquire(index, tile, none))
+        return;  // `transfer` tries again
     tile.to_fill.clear();
     tile.current = true;
     tile.state = TileState::Resident;
@@ -121,14 +117,14 @@ void TileCache::execute(const Task& task, gl::StageStats& deform) {
         return intersection(intersection(grid_.interior(index), grid_.map), rect);
     };
     // All tiles first: one that becomes hot makes guests of its neighbours' pages.
-    for_each(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
+    for_each_tile(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
     bool drawn = false;
-    for_each(task.window, [&](TileIndex index) {
+    for_each_tile(task.window, [&](TileIndex index) {
         const TexelRect inside = part(index);
         Tile& tile = *find(index);
         if (!tile.hot) {
             if (inside.empty()) return;
-            tile.pending.push_back(task.record);
+            tile.pending.push_back(task.prepared);
             if (tile.pending.size() >= settings_.most_pending) crowded_.insert(index);
             apply_to_guests(task.prepared, index);
         } else if (on_gpu(tile)) {
@@ -140,7 +136,7 @@ void TileCache::execute(const Task& task, gl::StageStats& deform) {
         }
     });
     if (drawn) gpu_batch_.push_back(task.prepared);
-    for_each(task.window, [&](TileIndex index) {
+    for_each_tile(task.window, [&](TileIndex index) {
         Tile& tile = *find(index);
         if (!on_gpu(tile)) refill(index, tile, rect);
     });
@@ -181,7 +177,7 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
     if (!any_of(task.window, [&](TileIndex index) { return find(index) != nullptr; })) return true;
     flush_gpu(deform);
     bool all_on_gpu = true;
-    for_each(task.window, [&](TileIndex index) {
+    for_each_tile(task.window, [&](TileIndex index) {
         Tile& tile = touched(index, true);
         if (!tile.hot) make_fresh(index, tile);  // untouched, and no viewer near
         all_on_gpu = all_on_gpu && on_gpu(tile);
@@ -192,7 +188,7 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
         return true;
     }
     std::vector<TileIndex> tiles;
-    for_each(task.window, [&](TileIndex index) { tiles.push_back(index); });
+    for_each_tile(task.window, [&](TileIndex index) { tiles.push_back(index); });
     std::size_t applied = 0;
     const PreparedStamp stamps[] = {task.prepared};
     const Result<void> drawn = textures_.stamp(stamps, tiles, applied);
@@ -214,12 +210,12 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
 }
 
 void TileCache::smooth_on_cpu(const Task& task, gl::StageStats& deform) {
-    for_each(task.window, [&](TileIndex index) {
+    for_each_tile(task.window, [&](TileIndex index) {
         Tile& tile = *find(index);
         if (!tile.newer.empty() || !tile.reading.empty()) read_back_now(index, tile);  // after a failed pass only
     });
     count(deform, apply_stamp(task.prepared, field_, grid_.map));
-    for_each(task.window, [&](TileIndex index) { refill(index, *find(index), task.prepared.rect()); });
+    for_each_tile(task.window, [&](TileIndex index) { refill(index, *find(index), task.prepared.rect()); });
     flush_fills();  // before anything is drawn over it
 }
 

@@ -45,11 +45,11 @@ enum class TileAction : std::uint8_t {
     None,
     StartLoad,
     CancelLoad,
-    StartFill,   ///< give it textures and fill them
+    StartFill,  ///< give it textures and fill them
     StartSave,
-    RetrySave,   ///< after a pause
-    Rescue,      ///< keep it; fill textures if `Uploading` follows
-    Drop,        ///< release textures and codes
+    RetrySave,  ///< after a pause
+    Rescue,     ///< keep it; fill textures if `Uploading` follows
+    Drop,       ///< release textures and codes
 };
 
 struct TileStep {

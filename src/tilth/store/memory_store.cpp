@@ -15,13 +15,16 @@ Result<std::vector<TileIndex>> MemoryStore::tiles() {
 }
 
 Result<std::vector<Page>> MemoryStore::load(TileIndex tile, const PageRect& pages) {
-    const std::lock_guard lock(mutex_);
-    std::vector<Page> found;
-    const auto held = tiles_.find(tile);
-    if (held == tiles_.end()) return found;
-    for (const auto& [index, codes] : held->second)
-        if (pages.contains(index)) found.push_back({index, std::make_shared<PageCodes>(*codes)});
-    return found;
+    std::vector<std::pair<PageIndex, std::shared_ptr<const PageCodes>>> held;
+    {
+        const std::lock_guard lock(mutex_);
+        if (const auto found = tiles_.find(tile); found != tiles_.end())
+            for (const auto& page : found->second)
+                if (pages.contains(page.first)) held.push_back(page);
+    }
+    std::vector<Page> copies;
+    for (const auto& [index, codes] : held) copies.push_back({index, std::make_shared<PageCodes>(*codes)});
+    return copies;
 }
 
 Result<void> MemoryStore::save(TileIndex tile, std::span<const Page> pages) {

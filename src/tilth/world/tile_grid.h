@@ -70,6 +70,13 @@ struct TileWindow {
     }
 };
 
+/// Calls `visit(tile)` for each tile of a window, row by row.
+template <class Visit>
+constexpr void for_each_tile(const TileWindow& window, const Visit& visit) {
+    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
+        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) visit(TileIndex{x, z});
+}
+
 /// Tiles of the map whose interior meets `rect`.
 constexpr TileWindow tiles_of(const TileGrid& grid, const TexelRect& rect) {
     const TexelRect inside = intersection(rect, grid.map);

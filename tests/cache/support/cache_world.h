@@ -68,7 +68,7 @@ public:
             truth->apply(records.back());
             EXPECT_TRUE(cached->accept(records.back()).ok());
         }
-        const Result<void> stamped = cache->stamp(records, stats, deform);
+        const Result<void> stamped = cache->stamp(records, deform);
         failed_stamps += stamped.ok() ? 0 : 1;
         budget.begin_frame(5);
         cache->transfer(budget, stats, deform);
