@@ -1,19 +1,17 @@
 #include "tilth/detail_stage.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "tilth/core/clock.h"
+
 namespace tilth {
 namespace {
 
-double clock_ms() {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 constexpr std::int32_t kMostApron = 16;
+constexpr std::uint64_t kLeastSlice = 32u << 10, kMostSlice = 16u << 20;
 constexpr std::uint64_t kFewestTiles = 4;  // those that a frame may sample
 
 Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::move(message)}; }
@@ -21,9 +19,15 @@ Error invalid(std::string message) { return {ErrorCode::InvalidArgument, std::mo
 /// Linear filtering across a border needs one slope beyond it, and that slope its stencil.
 std::int32_t least_apron(SlopeStencil stencil) { return stencil_reach(stencil) + 1; }
 
-std::uint64_t bytes_of_tile(const TileGrid& grid, HeightPrecision precision, SlopeFormat slopes) {
-    const auto side = static_cast<std::uint64_t>(grid.stored_size());
-    return side * side * ((precision == HeightPrecision::bits32 ? 4 : 2) + (slopes == SlopeFormat::rg8 ? 2 : 4));
+Result<void> check(const BudgetSettings& budget) {
+    const auto bad = [](double value) { return !(value >= 0 && std::isfinite(value)); };
+    if (!(budget.frame_target_ms > 0) || !std::isfinite(budget.frame_target_ms))
+        return invalid(text("budget: frame_target_ms ", budget.frame_target_ms, " is not above 0"));
+    if (bad(budget.least_ms) || bad(budget.least_share) || bad(budget.most_ms))
+        return invalid("budget: least_ms, least_share and most_ms are finite and not below 0");
+    if (budget.slice_bytes < kLeastSlice || budget.slice_bytes > kMostSlice)
+        return invalid(text("budget: slice_bytes ", budget.slice_bytes, " is not in ", kLeastSlice, "..", kMostSlice));
+    return {};
 }
 
 }  // namespace
@@ -33,13 +37,16 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
     const TileSettings& tiles = settings.tiles;
     if (!(tiles.band >= 0.02 && tiles.band <= 0.9))
         return invalid(text("band: ", tiles.band, " is not in [0.02, 0.9]"));
+    if (const Result<void> checked = check(tiles.budget); !checked) return checked.error();
     const std::int32_t needed = least_apron(settings.stencil);
     if (tiles.apron != 0 && (tiles.apron < needed || tiles.apron > kMostApron))
         return invalid(text("apron: ", tiles.apron, " texels is not in ", needed, "..", kMostApron));
     const MapGeometry& map = ground.map(MapKind::Detail);
     const TileGrid grid{
         .size = ground.settings().tile_size, .apron = tiles.apron == 0 ? needed : tiles.apron, .map = map.grid.rect()};
-    const std::uint64_t tile_bytes = bytes_of_tile(grid, map.precision, settings.slopes);
+    const std::uint64_t texel_bytes = bytes_a_texel(map.precision, settings.slopes);
+    const auto side = static_cast<std::uint64_t>(grid.stored_size());
+    const std::uint64_t tile_bytes = side * side * texel_bytes;
     std::size_t most_tiles = 0;
     if (tiles.most_gpu_bytes != 0) {
         most_tiles = static_cast<std::size_t>(tiles.most_gpu_bytes / tile_bytes);
@@ -49,21 +56,23 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
                                 kFewestTiles * tile_bytes, " bytes), or a smaller tile_size"));
     }
 
-    Result<std::unique_ptr<GpuTiles>> textures = GpuTiles::create(
-        device, shaders, deformer,
-        {.pool = {.grid = grid,
-                  .precision = map.precision,
-                  .slopes = settings.slopes,
-                  .most_tiles = static_cast<std::int32_t>(most_tiles)},
-         .slopes = {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m},
-         // A slice's texels take at most eight bytes, the budget counts them as six.
-         .slot_bytes = 2 * static_cast<std::size_t>(std::max(tiles.budget.slice_bytes, std::uint64_t{64} << 10))});
+    Result<std::unique_ptr<GpuTiles>> textures =
+        GpuTiles::create(device, shaders, deformer,
+                         {.pool = {.grid = grid,
+                                   .precision = map.precision,
+                                   .slopes = settings.slopes,
+                                   .most_tiles = static_cast<std::int32_t>(most_tiles)},
+                          .slopes = {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m},
+                          .slot_bytes = 2 * static_cast<std::size_t>(tiles.budget.slice_bytes)});
     if (!textures) return textures.error();
     std::unique_ptr<DetailStage> made(new DetailStage(ground, settings, std::move(*textures)));
     if (!tiles.store) made->own_store_ = std::make_shared<MemoryStore>();
     Result<std::unique_ptr<TileCache>> cache =
         TileCache::create(ground, grid, tiles.store ? tiles.store : made->own_store_, *made->textures_,
-                          {.band = tiles.band, .gpu_executor = deformer != nullptr, .most_tiles = most_tiles});
+                          {.band = tiles.band,
+                           .gpu_executor = deformer != nullptr,
+                           .most_tiles = most_tiles,
+                           .bytes_a_texel = texel_bytes});
     if (!cache) return cache.error();
     made->cache_ = std::move(*cache);
     const GridSpec& posts = ground.map(MapKind::Coarse).grid;
@@ -92,7 +101,10 @@ void DetailStage::begin(gl::FrameStats& stats) {
     budget_.begin_frame(rest_ms);
     textures_->set_stats(&stats);
     textures_->begin_frame();
+    const std::uint64_t down = stats.transfer.bytes_down;
     cache_->update(now_ms, stats.cache);
+    if (stats.transfer.bytes_down != down)  // read-backs that were begun: the ring bounds them, the budget counts them
+        budget_.spend(stats.transfer.bytes_down - down, clock_ms() - now_ms);
 }
 
 Result<void> DetailStage::stamp(std::span<const StampRecord> records, gl::FrameStats& stats) {
@@ -131,20 +143,26 @@ Result<void> DetailStage::settle(gl::FrameStats& stats) {
     return cache_->settle(stats.cache, stats.deform);
 }
 
-Result<void> DetailStage::require(WorldPos at, gl::FrameStats& stats) {
+std::vector<TileIndex> DetailStage::tiles_about(WorldPos at) const {
     const GridSpec& map = ground_.map(MapKind::Detail).grid;
     const PostPos texels = map.posts(at);
-    if (std::isnan(texels.x) || std::isnan(texels.z)) return {};
+    std::vector<TileIndex> tiles;
+    if (std::isnan(texels.x) || std::isnan(texels.z)) return tiles;
     const auto cell = [](double texel, std::int32_t count) {
         return static_cast<std::int32_t>(std::floor(std::clamp(texel, 0.0, count - 2.0)));
     };
     const Texel corner{cell(texels.x, map.width), cell(texels.z, map.depth)};
-    const TileWindow window = tiles_of(cache_->grid(), {corner, {corner.x + 2, corner.z + 2}});
-    std::vector<TileIndex> tiles;
-    for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
-        for (std::int32_t x = window.min.x; x <= window.max.x; ++x) tiles.push_back({x, z});
-    return require(tiles, stats);
+    for_each_tile(tiles_of(cache_->grid(), {corner, {corner.x + 2, corner.z + 2}}),
+                  [&](TileIndex index) { tiles.push_back(index); });
+    return tiles;
 }
+
+bool DetailStage::is_in_field(WorldPos at) const {
+    const std::vector<TileIndex> tiles = tiles_about(at);
+    return std::all_of(tiles.begin(), tiles.end(), [&](TileIndex index) { return cache_->is_in_field(index); });
+}
+
+Result<void> DetailStage::require(WorldPos at, gl::FrameStats& stats) { return require(tiles_about(at), stats); }
 
 Result<void> DetailStage::require(std::span<const TileIndex> tiles, gl::FrameStats& stats) {
     if (std::all_of(tiles.begin(), tiles.end(), [&](TileIndex index) { return cache_->is_in_field(index); })) return {};
@@ -157,16 +175,16 @@ Result<std::uint64_t> DetailStage::hash(gl::FrameStats& stats) {
     return cache_->hash(stats.cache, stats.deform);
 }
 
-std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const Vec3d& direction, double max_m) const {
+std::vector<DetailStage::Ahead> DetailStage::tiles_along(const Vec3d& from, const Vec3d& direction,
+                                                         double max_m) const {
     std::vector<Ahead> ahead;
     const double length = std::hypot(direction.x, direction.y, direction.z);
     if (!(length > 0) || !std::isfinite(length)) return ahead;
     const GridSpec& map = ground_.map(MapKind::Detail).grid;
     const PostPos start = map.posts({from.x, from.z});
-    for (const CachedTile& tile : cache_->tiles()) {
-        if (cache_->is_in_field(tile.tile)) continue;
+    for (const TileIndex tile : cache_->touched()) {
         // Cells about the tile's texels: one more on each side.
-        const TexelRect rect = expanded(cache_->grid().interior(tile.tile), 1);
+        const TexelRect rect = expanded(cache_->grid().interior(tile), 1);
         double begin = 0, end = max_m;
         const auto clip = [&](double at, double slope, double low, double high) {
             if (slope == 0) {
@@ -179,7 +197,7 @@ std::vector<DetailStage::Ahead> DetailStage::away_along(const Vec3d& from, const
         };
         clip(start.x, direction.x / length / map.spacing_m, rect.min.x, rect.max.x);
         clip(start.z, direction.z / length / map.spacing_m, rect.min.z, rect.max.z);
-        if (begin <= end) ahead.push_back({begin, tile.tile});
+        if (begin <= end) ahead.push_back({begin, tile});
     }
     std::sort(ahead.begin(), ahead.end(), [](const Ahead& a, const Ahead& b) { return a.distance_m < b.distance_m; });
     return ahead;

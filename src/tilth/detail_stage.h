@@ -19,7 +19,8 @@
 namespace tilth {
 
 /// Detail tiles of a terrain that draws. A frame is `begin`, `stamp`, `transfer`, then `view_from` for each draw.
-/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard` wherever `uses_gl` says so.
+/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`, except while `uses_gl` is
+/// false and nothing is stamped.
 class DetailStage {
 public:
     /// Makes no texture: they wait for the first stamp. `deformer`: of executor gpu, else nullptr. Fails with
@@ -42,6 +43,8 @@ public:
     Result<void> settle(gl::FrameStats& stats);
     /// The ground's detail field holds the cell about `at`, or the tiles.
     Result<void> require(WorldPos at, gl::FrameStats& stats);
+    /// Whether it is there: then `require` has nothing to do, and needs no GL.
+    [[nodiscard]] bool is_in_field(WorldPos at) const;
     Result<void> require(std::span<const TileIndex> tiles, gl::FrameStats& stats);
     Result<std::uint64_t> hash(gl::FrameStats& stats);
 
@@ -51,7 +54,7 @@ public:
         double distance_m = 0;
         TileIndex tile;
     };
-    [[nodiscard]] std::vector<Ahead> away_along(const Vec3d& from, const Vec3d& direction, double max_m) const;
+    [[nodiscard]] std::vector<Ahead> tiles_along(const Vec3d& from, const Vec3d& direction, double max_m) const;
 
     Result<void> reload(gl::ShaderLibrary& shaders) { return textures_->reload(shaders); }
 
@@ -63,6 +66,7 @@ public:
     [[nodiscard]] std::uint64_t waiting_bytes() const;
 
 private:
+    [[nodiscard]] std::vector<TileIndex> tiles_about(WorldPos at) const;
     DetailStage(Ground& ground, const TerrainSettings& settings, std::unique_ptr<GpuTiles> textures);
 
     Ground& ground_;

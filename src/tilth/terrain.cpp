@@ -169,6 +169,10 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
     Result<std::unique_ptr<Ground>> ground = Ground::create(std::move(source), settings.ground);
     if (!ground) return ground.error();
     impl->ground = std::move(*ground);
+    if (get_proc == nullptr && settings.tiles.store)
+        return Error{
+            ErrorCode::Unsupported,
+            "tiles.store: without a GL context all detail is kept in memory; pass a get-proc function, or no store"};
     if (get_proc != nullptr) {
         if (const Result<void> created = impl->create_gpu(get_proc); !created) return created.error();
     } else if (settings.executor == ExecutorKind::Gpu) {
@@ -204,7 +208,11 @@ Result<void> Terrain::update(double /*dt_s*/) {
     impl.frame = {};
     DetailStage* const detail = impl.gpu ? impl.gpu->detail.get() : nullptr;
     std::optional<gl::StateGuard> guard;
-    if (detail != nullptr && (detail->uses_gl() || !impl.queue.empty())) guard.emplace(*impl.gpu->device);
+    std::optional<gl::DebugGroup> group;
+    if (detail != nullptr && (detail->uses_gl() || !impl.queue.empty())) {
+        guard.emplace(*impl.gpu->device);
+        group.emplace(*impl.gpu->device, "tilth: detail tiles");
+    }
     if (detail != nullptr) detail->begin(impl.frame);
     Result<void> applied = impl.apply_queue(impl.frame);
     if (detail != nullptr) detail->transfer(impl.frame);
@@ -405,13 +413,18 @@ double Terrain::height_m(WorldPos at, MapSelect select) {
 std::optional<double> Terrain::raycast(const Vec3d& from, const Vec3d& direction, double max_m) {
     Impl& impl = *impl_;
     impl.read_back(impl.before);
-    if (!impl.gpu || !impl.gpu->detail) return tilth::raycast(*impl.ground, from, direction, max_m);
-    // As far as the ground is in memory; beyond, tile by tile.
-    for (const auto& [distance_m, tile] : impl.gpu->detail->away_along(from, direction, max_m)) {
-        if (const std::optional<double> hit = tilth::raycast(*impl.ground, from, direction, distance_m)) return hit;
-        const Result<void> here = impl.with_detail([&, index = tile](DetailStage& detail) {
-            return detail.require({&index, 1}, impl.before);
-        });
+    DetailStage* const detail = impl.gpu ? impl.gpu->detail.get() : nullptr;
+    if (detail == nullptr) return tilth::raycast(*impl.ground, from, direction, max_m);
+    // As far as the ground is in memory, then one tile more. The tiles before it are asked for again with it: else they
+    // might go while it comes.
+    std::vector<TileIndex> needed;
+    for (const auto& [distance_m, tile] : detail->tiles_along(from, direction, max_m)) {
+        needed.push_back(tile);
+        if (detail->cache().is_in_field(tile)) continue;
+        if (distance_m > 0)
+            if (const auto hit = tilth::raycast(*impl.ground, from, direction, distance_m)) return hit;
+        const Result<void> here =
+            impl.with_detail([&](DetailStage& stage) { return stage.require(needed, impl.before); });
         if (!here) return std::nullopt;
     }
     return tilth::raycast(*impl.ground, from, direction, max_m);

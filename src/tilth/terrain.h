@@ -38,7 +38,9 @@ struct TileSettings {
     /// Most bytes of tile textures; 0: nine tiles a viewer. Less than four tiles is refused. Tiles that find no room
     /// are not drawn; nearer ones displace farther ones.
     std::uint64_t most_gpu_bytes = 0;
-    /// Where tiles lie that are not in memory. Empty: a `MemoryStore` of the terrain's own.
+    /// Where tiles lie that are not in memory. Empty: a `MemoryStore` of the terrain's own. A tile is given to it when
+    /// the viewers leave; what is still in memory when the terrain is destroyed is not (the destructor waits for saves
+    /// that were begun). Without a GL context all detail stays in memory, and a store is refused.
     std::shared_ptr<TileStore> store;
 };
 
@@ -126,7 +128,8 @@ public:
     /// Saturated texels on the GPU are counted by queries that arrive some frames later, in that frame's statistics.
     /// Where only a read-back can tell whether a stamp saturates (the bounds of ground that was stamped again and again
     /// widen), one is done, waits, and counts as a fallback.
-    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made; the stamps that are not applied stay queued.
+    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made. Nothing needs to be stamped again: coarse
+    /// stamps that are not applied stay queued, detail stamps are applied by the CPU executor and count as fallbacks.
     /// Fails with Unsupported when a stamp's image exceeds what the GPU can hold; that stamp alone is dropped, and
     /// named.
     Result<void> update(double dt_s);

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <random>
@@ -37,23 +37,17 @@ struct WorldSettings {
 /// A detail stage and the big map that it is compared with.
 class World {
 public:
-    World(gl::Device& device, const WorldSettings& setup) : device_(device), shaders_(test::shaders()) {
-        const GroundSettings settings{.tile_size = setup.tile_size, .precision = setup.precision};
-        const auto source = std::make_shared<FlatSource>(setup.posts, 10.0);
-        ground_ = test::value(Ground::create(source, settings));
-        whole_ = test::value(Ground::create(source, settings));
-        for (Ground* ground : {ground_.get(), whole_.get()}) {
-            std::vector<std::uint16_t> texels(37 * 23);
-            SplitMix64 random{11};
-            for (std::uint16_t& texel : texels) texel = static_cast<std::uint16_t>(random.next());
-            (void)test::value(ground->shapes().add_image("noise", 37, 23, texels));
-        }
+    World(gl::Device& device, const WorldSettings& setup) : device_(device), shaders_(test::shaders()), setup_(setup) {
+        whole_ = make_ground();
         const gl::StateGuard guard(device);
         if (setup.gpu) deformer_ = std::make_unique<Deformer>(test::value(Deformer::create(device, shaders_)));
-        TerrainSettings terrain;
-        terrain.tiles.store = setup.store;
-        terrain.tiles.most_gpu_bytes = setup.most_gpu_bytes;
-        stage_ = test::value(DetailStage::create(device, shaders_, *ground_, terrain, deformer_.get()));
+        open();
+    }
+
+    /// A new stage on the same store, as after a program's end. Nothing may be in memory.
+    void reopen() {
+        ASSERT_TRUE(stage_->cache().is_idle());
+        open();
     }
 
     [[nodiscard]] DetailStage& stage() { return *stage_; }
@@ -70,8 +64,8 @@ public:
     }
 
     void stamp_randomly(std::uint64_t seed, std::int64_t count, WorldPos low, WorldPos high, double largest_radius_m,
-                        std::vector<StampRule> rules = {StampRule::Add, StampRule::Min, StampRule::Max,
-                                                        StampRule::Set, StampRule::Smooth}) {
+                        std::vector<StampRule> rules = {StampRule::Add, StampRule::Min, StampRule::Max, StampRule::Set,
+                                                        StampRule::Smooth}) {
         RandomStamps random{.seed = seed, .count = count, .map = MapChoice::Detail, .rules = std::move(rules)};
         random.region = {low, high};
         random.radius_m = {0.05, largest_radius_m};
@@ -118,8 +112,29 @@ public:
     }
 
 private:
+    [[nodiscard]] std::unique_ptr<Ground> make_ground() const {
+        std::unique_ptr<Ground> ground =
+            test::value(Ground::create(std::make_shared<FlatSource>(setup_.posts, 10.0),
+                                       {.tile_size = setup_.tile_size, .precision = setup_.precision}));
+        std::vector<std::uint16_t> texels(37 * 23);
+        SplitMix64 random{11};
+        for (std::uint16_t& texel : texels) texel = static_cast<std::uint16_t>(random.next());
+        (void)test::value(ground->shapes().add_image("noise", 37, 23, texels));
+        return ground;
+    }
+    void open() {
+        const gl::StateGuard guard(device_);
+        stage_.reset();
+        ground_ = make_ground();
+        TerrainSettings terrain;
+        terrain.tiles.store = setup_.store;
+        terrain.tiles.most_gpu_bytes = setup_.most_gpu_bytes;
+        stage_ = test::value(DetailStage::create(device_, shaders_, *ground_, terrain, deformer_.get()));
+    }
+
     gl::Device& device_;
     gl::ShaderLibrary shaders_;
+    WorldSettings setup_;
     std::unique_ptr<Ground> ground_, whole_;
     std::unique_ptr<Deformer> deformer_;
     std::unique_ptr<DetailStage> stage_;
@@ -315,6 +330,46 @@ TEST_F(DetailStageTest, ASlowOrBrokenStoreCostsNoFrameAndNoEdit) {
         store->fail_all(false);
         made->expect_the_whole_maps_codes();
         EXPECT_GE(made->drawable(), 1u);
+    }
+}
+
+// Tiles larger than the ring: a read-back takes several rounds, and whoever looks meanwhile sees all of it.
+TEST_F(DetailStageTest, ALargeReadBackIsWaitedForWholly) {
+    const std::unique_ptr<World> made = world({.gpu = true, .tile_size = 2048, .posts = 1400});
+    const WorldPos here = made->at(1024, 1024);
+    made->stamp({.centre = here, .radius_m = 330, .amplitude_m = -0.5, .map = MapChoice::Detail});
+    made->frame(here);
+    made->frame(std::span<const WorldPos>{});  // leaves: the read-back begins
+    EXPECT_EQ(made->stage().cache().state({0, 0}), TileState::Saving);
+    made->expect_the_whole_maps_codes();
+    made->frame(here);
+    made->expect_the_whole_maps_codes();
+}
+
+// A dent that ends just before a tile that was never touched itself: its apron is not empty, also when another program
+// run knows it from the store's list alone.
+TEST_F(DetailStageTest, ReopenedTilesHaveTheirNeighboursInTheirAprons) {
+    for (const bool gpu : {true, false}) {
+        const auto store = std::make_shared<MemoryStore>();
+        const std::unique_ptr<World> made = world({.gpu = gpu, .store = store});
+        for (const double x : {380.0, 300.0, 256.0})  // the first ends one texel before tile 3, which is never visited
+            made->stamp({.centre = made->at(x, 330), .radius_m = 1.0, .amplitude_m = -0.25, .map = MapChoice::Detail});
+        made->frame(std::span<const WorldPos>{});
+        made->frame(made->at(300, 330));
+        made->expect_the_whole_maps_codes();
+        for (int frame = 0; frame < 2000 && !made->stage().cache().is_idle(); ++frame) {
+            made->frame(std::span<const WorldPos>{});
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        made->reopen();
+        made->frame(made->at(420, 330));
+        made->expect_the_whole_maps_codes();
+        made->stamp({.centre = made->at(388, 331), .radius_m = 1.5, .amplitude_m = -0.25, .map = MapChoice::Detail});
+        made->frame(made->at(420, 330));
+        made->expect_the_whole_maps_codes();
+        EXPECT_TRUE(made->stage().cache().can_be_drawn({3, 2}));
+        // Of the eight neighbours those that nothing reaches cost nothing.
+        EXPECT_LE(made->drawable(), 3u);
     }
 }
 

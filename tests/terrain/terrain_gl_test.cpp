@@ -420,5 +420,63 @@ TEST_F(TerrainTest, BadSettingsAreRefusedByTheFieldsName) {
     EXPECT_NE(refusal([](TerrainSettings& s) { s.shader_folder = "/nowhere"; }), "accepted");
 }
 
+// A tile that was dented while nobody was near arrives in an `update` that has nothing to stamp.
+TEST_F(TerrainTest, AnArrivalWithoutAStampLeavesTheHostsStateAsItWas) {
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        const std::unique_ptr<Terrain> ground = terrain(executor);
+        const WorldPos away{1e6, 1e6}, here{100, 100};
+        ground->set_viewers({&away, 1});
+        ASSERT_TRUE(ground->stamp({.centre = here, .radius_m = 1, .amplitude_m = 0.5}));
+        ASSERT_TRUE(ground->update(0));
+        ground->set_viewers({&here, 1});
+        const test::GlState before = test::capture_state(device());
+        ASSERT_TRUE(ground->update(0));
+        const test::GlState after = test::capture_state(device());
+        for (const auto& [name, values] : before) EXPECT_EQ(values, after.at(name)) << name;
+        EXPECT_GT(ground->tile_gpu_bytes(), 0u) << "it arrived in that very frame";
+    }
+}
+
+// Rays over dents in tiles that are away, and over dents that only the GPU has: on the surface that a server without GL
+// has.
+TEST_F(TerrainTest, RaysHitTheGroundWhereverItsTilesAre) {
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        GroundSettings layout{.tile_size = 64};
+        TerrainSettings made = settings(executor);
+        made.ground = layout;
+        const auto source = std::make_shared<FlatSource>(257, 10.0);
+        const std::unique_ptr<Terrain> ground = test::value(Terrain::create(source, made, get_proc()));
+        made.executor = ExecutorKind::Cpu;
+        const std::unique_ptr<Terrain> server = test::value(Terrain::create(source, made, nullptr));
+        const WorldPos near{30, 30}, away{240, 240};
+        ground->set_viewers({&near, 1});
+        // A trench along x over many tiles, and a pit.
+        for (Terrain* each : {ground.get(), server.get()}) {
+            for (int i = 0; i < 120; ++i)
+                ASSERT_TRUE(each->stamp({.centre = {10.0 + i, 30},
+                                         .radius_m = 2.5,
+                                         .amplitude_m = -2,
+                                         .map = MapChoice::Detail,
+                                         .rule = StampRule::Min}));
+            ASSERT_TRUE(each->update(0));
+        }
+        const auto compare = [&](const char* when) {
+            for (const Vec3d& from : {Vec3d{12, 8.6, 30}, Vec3d{30, 14, 30}, Vec3d{5, 30, 30}, Vec3d{125, 8.5, 30}})
+                for (const Vec3d& to :
+                     {Vec3d{124, 8.05, 30.2}, Vec3d{60, 8, 29.5}, Vec3d{12, 8, 30}, Vec3d{40, 9, 33}}) {
+                    const Vec3d direction = towards(from, to);
+                    const std::optional<double> hit = ground->raycast(from, direction, 500),
+                                                wanted = server->raycast(from, direction, 500);
+                    ASSERT_EQ(hit.has_value(), wanted.has_value()) << when << ": " << from.x << " to " << to.x;
+                    EXPECT_NEAR(hit.value_or(0), wanted.value_or(0), 1e-9) << when << ": " << from.x << " to " << to.x;
+                }
+        };
+        compare("resident");
+        ground->set_viewers({&away, 1});
+        for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(ground->update(0));
+        compare("away");
+    }
+}
+
 }  // namespace
 }  // namespace tilth

@@ -102,6 +102,13 @@ std::vector<CachedTile> TileCache::tiles() const {
     return all;
 }
 
+std::vector<TileIndex> TileCache::touched() const {
+    std::vector<TileIndex> all;
+    for (const auto& [index, tile] : tiles_)
+        if (!tile.clean) all.push_back(index);
+    return all;
+}
+
 std::vector<CachedArrival> TileCache::take_arrivals() { return std::exchange(arrivals_, {}); }
 std::vector<Error> TileCache::take_errors() { return std::exchange(errors_, {}); }
 

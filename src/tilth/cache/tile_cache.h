@@ -96,9 +96,7 @@ public:
     Result<void> settle(gl::CacheStats& stats, gl::StageStats& deform);
     /// Waits until the field holds the codes of `tiles` as they are now. They stay there until the next `update`.
     Result<void> require(std::span<const TileIndex> tiles, gl::CacheStats& stats, gl::StageStats& deform);
-    /// Tiles for which `require` would have something to do.
-    [[nodiscard]] std::vector<TileIndex> tiles_not_in_field() const;
-    /// Whether it would have nothing to do for a tile.
+    /// Whether `require` would have nothing to do for a tile.
     [[nodiscard]] bool is_in_field(TileIndex tile) const;
     /// State hash of the whole detail map, wherever its tiles are. Cost: one tile in memory at a time.
     Result<std::uint64_t> hash(gl::CacheStats& stats, gl::StageStats& deform);
@@ -106,6 +104,8 @@ public:
     // Reports.
 
     [[nodiscard]] std::vector<CachedTile> tiles() const;
+    /// Tiles that hold anything, in the order of their indices.
+    [[nodiscard]] std::vector<TileIndex> touched() const;
     [[nodiscard]] std::vector<CachedArrival> take_arrivals();
     [[nodiscard]] std::vector<Error> take_errors();
     [[nodiscard]] const TileGrid& grid() const { return grid_; }

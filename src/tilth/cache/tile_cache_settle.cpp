@@ -100,13 +100,6 @@ Result<void> TileCache::require(std::span<const TileIndex> tiles, gl::CacheStats
     return {};
 }
 
-std::vector<TileIndex> TileCache::tiles_not_in_field() const {
-    std::vector<TileIndex> away;
-    for (const auto& [index, tile] : tiles_)
-        if (!is_in_field(index)) away.push_back(index);
-    return away;
-}
-
 bool TileCache::is_in_field(TileIndex index) const {
     const Tile* tile = find(index);
     return tile == nullptr || (tile->hot && tile->newer.empty() && tile->reading.empty() && !awaited_.contains(index));

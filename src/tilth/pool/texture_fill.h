@@ -17,14 +17,15 @@ struct FillValue {
     std::uint32_t texel = 0;   ///< the format's transfer layout, lowest byte first
 };
 
-/// Clears through a framebuffer of its own, with everything off that could change the value on its way; where the driver
-/// uploads faster than it clears (`gl::Quirks::uploads_beat_clears`), by uploads. Never waits for the GPU. GL state:
-/// framebuffer, colour mask, scissor, dither, sRGB, pixel store; the caller holds a `gl::StateGuard`.
+/// Clears through a framebuffer of its own, with everything off that could change the value on its way; where the
+/// driver uploads faster than it clears (`gl::Quirks::uploads_beat_clears`), by uploads. Never waits for the GPU. GL
+/// state: framebuffer, colour mask, scissor, dither, sRGB, pixel store; the caller holds a `gl::StateGuard`.
 class TextureFill {
 public:
     static Result<TextureFill> create(gl::Device& device);
 
-    /// Every texel of `level` becomes `value`; `texture` is of a format that can be drawn to, with 2 or 4 bytes a texel.
+    /// Every texel of `level` becomes `value`; `texture` is of a format that can be drawn to, with 2 or 4 bytes a
+    /// texel.
     void run(gl::Texture2D& texture, int level, const FillValue& value);
 
 private:

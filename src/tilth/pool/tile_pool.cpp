@@ -82,8 +82,7 @@ std::uint64_t TilePool::bytes() const {
 
 std::uint64_t TilePool::bytes_per_tile() const {
     const auto side = static_cast<std::uint64_t>(settings_.grid.stored_size());
-    const std::uint64_t codes = settings_.precision == HeightPrecision::bits32 ? 4 : 2;
-    return side * side * (codes + (settings_.slopes == SlopeFormat::rg8 ? 2 : 4));
+    return side * side * bytes_a_texel(settings_.precision, settings_.slopes);
 }
 
 }  // namespace tilth

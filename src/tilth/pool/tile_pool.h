@@ -16,6 +16,11 @@
 
 namespace tilth {
 
+/// Of a tile's textures, by texel: codes and slopes.
+constexpr std::uint64_t bytes_a_texel(HeightPrecision precision, SlopeFormat slopes) {
+    return (precision == HeightPrecision::bits32 ? 4u : 2u) + (slopes == SlopeFormat::rg8 ? 2u : 4u);
+}
+
 struct TilePoolSettings {
     TileGrid grid;
     HeightPrecision precision = HeightPrecision::bits32;
@@ -31,10 +36,10 @@ struct TileSet {
 };
 
 /// Owns one set of textures for each tile that asked for one: stored_size^2 texels of 4 bytes (`bits16`: 2) and of a
-/// slope (2 or 4). Nothing exists before the first `acquire`. A set that was given up is used again once the GPU is done
-/// with everything that was asked of it (its fence has passed); until then the next tile waits for it, so that no more
-/// sets exist than were in use at once. A set that nobody wants for `kIdleFrames` frames is freed.
-/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`. Never waits.
+/// slope (2 or 4). Nothing exists before the first `acquire`. A set that was given up is used again once the GPU is
+/// done with everything that was asked of it (its fence has passed); until then the next tile waits for it, so that no
+/// more sets exist than were in use at once. A set that nobody wants for `kIdleFrames` frames is freed. Thread: the one
+/// that owns the context. GL state: the caller holds a `gl::StateGuard`. Never waits.
 class TilePool {
 public:
     static constexpr int kIdleFrames = 60;
