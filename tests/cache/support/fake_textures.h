@@ -116,6 +116,7 @@ public:
         ++read_backs_;
         set.reading = true;
         set.ready = frame_ + (well_ ? 0 : random_.next() % (trouble_.most_read_back_frames + 1));
+        set.rounds = random_.next() % 3;
         set.rects.assign(rects.begin(), rects.end());
         set.snapshot = DetailField();
         for (const TexelRect& rect : rects) {
@@ -129,6 +130,10 @@ public:
         Set& set = sets_[tile];
         if (!set.reading) return ReadBackState::None;
         if (frame_ < set.ready) return ReadBackState::Pending;
+        if (set.rounds > 0) {  // a large one goes through the ring in several parts
+            --set.rounds;
+            return ReadBackState::Pending;
+        }
         set.reading = false;
         if (fails(trouble_.read_back_lost)) return ReadBackState::Failed;
         for (const TexelRect& rect : set.rects) copy(set.snapshot, field, rect);
@@ -147,7 +152,7 @@ private:
     struct Set {
         DetailField codes, snapshot;
         std::vector<TexelRect> rects;
-        std::uint64_t ready = 0;
+        std::uint64_t ready = 0, rounds = 0;
         bool reading = false;
     };
 
