@@ -90,10 +90,10 @@ bool TileCache::smooth_is_ready(const Task& task) {
 TileCache::Tile& TileCache::touched(TileIndex index, bool inside) {
     const auto [found, inserted] = tiles_.try_emplace(index);
     Tile& tile = found->second;
-    const bool is_new = inserted || tile.clean;
-    tile.clean = false;
+    const bool is_new = inserted || tile.clean, is_first = is_new || tile.suspected;
+    tile.clean = tile.suspected = false;
     if (is_new && interest(index) != Interest::None) make_fresh(index, tile);
-    if (is_new || inside) tile.modified = tile.changed = true;
+    if (is_first || inside) tile.modified = tile.changed = true;
     return tile;
 }
 

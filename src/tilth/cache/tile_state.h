@@ -9,6 +9,9 @@
 //      '---------- Saved ---------- Saving <----'--'------------------'
 //                                   |  ^  '---- Wanted (rescue) ---> Uploading, or Resident while its textures last
 //                                   '--'  SaveFailed: again, later
+//
+// Displaced leads from Resident back to Uploading: its textures went to a nearer tile, its codes stay. A tile that is
+// dented for the first time while a viewer is near begins as Uploading, and is Resident at once if there are textures.
 #pragma once
 
 #include <cstdint>
