@@ -402,9 +402,9 @@ Result<void> Terrain::reload_shaders() {
 double Terrain::height_m(WorldPos at, MapSelect select) {
     Impl& impl = *impl_;
     impl.read_back(impl.before);
-    if (select != MapSelect::Coarse) {
-        const Result<void> here =
-            impl.with_detail([&](DetailStage& detail) { return detail.require(at, impl.before); });
+    const DetailStage* const detail = impl.gpu ? impl.gpu->detail.get() : nullptr;
+    if (detail != nullptr && select != MapSelect::Coarse && !detail->is_in_field(at)) {
+        const Result<void> here = impl.with_detail([&](DetailStage& stage) { return stage.require(at, impl.before); });
         if (!here) return std::numeric_limits<double>::quiet_NaN();
     }
     return impl.ground->height_m(at, select);

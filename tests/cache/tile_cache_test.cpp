@@ -389,6 +389,22 @@ TEST_P(TileCacheTest, WaitingStampsAreBounded) {
     world.expect_equal_in_the_end({600, 600});
 }
 
+// Memory is that of the tiles about the viewer, on the CPU too: what is left goes, its guests with it.
+TEST_P(TileCacheTest, WhatIsLeftLeavesMemory) {
+    CacheWorld world(settings());
+    std::vector<StampRequest> requests;
+    for (int i = 0; i < 200; ++i) requests.push_back(world.random_stamp({320, 320}, 300, false));
+    world.frame({100, 100}, requests);
+    for (const PostPos viewer : {PostPos{100, 100}, PostPos{500, 100}, PostPos{320, 320}}) {
+        world.frame(viewer);
+        ASSERT_TRUE(world.cache->settle(world.stats, world.deform).ok());
+        EXPECT_FALSE(world.cached->detail().pages().empty());
+    }
+    ASSERT_TRUE(leave(world));
+    EXPECT_TRUE(world.cached->detail().pages().empty());
+    world.expect_equal_in_the_end({320, 320});
+}
+
 TEST_P(TileCacheTest, RequireBringsCodesIntoTheField) {
     CacheWorld world(settings());
     for (int i = 0; i < 60; ++i) {

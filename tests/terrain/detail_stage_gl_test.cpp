@@ -297,6 +297,14 @@ TEST_F(DetailStageTest, ABoundBelowFourTilesIsRefusedWithBothFigures) {
     EXPECT_NE(refused.error().message.find("most_gpu_bytes: 418175 bytes hold 3 tiles of 104544 bytes"),
               std::string::npos)
         << refused.error().message;
+    const BudgetSettings bad_budgets[] = {
+        {.frame_target_ms = 0}, {.frame_target_ms = std::nan("")}, {.most_ms = -1}, {.slice_bytes = 100}};
+    for (const BudgetSettings& budget : bad_budgets) {
+        settings.tiles = {.budget = budget};
+        const auto bad = DetailStage::create(device(), library, *ground, settings, nullptr);
+        ASSERT_FALSE(bad);
+        EXPECT_EQ(bad.error().message.rfind("budget:", 0), 0u) << bad.error().message;
+    }
     settings.tiles = {.band = 0.95};
     EXPECT_FALSE(DetailStage::create(device(), library, *ground, settings, nullptr));
     settings.tiles = {.apron = 1};

@@ -13,6 +13,7 @@
 #include "support/gl_state.h"
 #include "support/random_world.h"
 #include "tilth/source/analytic_sources.h"
+#include "tilth/store/memory_store.h"
 
 namespace tilth {
 namespace {
@@ -476,6 +477,15 @@ TEST_F(TerrainTest, RaysHitTheGroundWhereverItsTilesAre) {
         for (int frame = 0; frame < 3; ++frame) ASSERT_TRUE(ground->update(0));
         compare("away");
     }
+}
+
+TEST_F(TerrainTest, AStoreWithoutGlIsRefusedAndNotIgnored) {
+    TerrainSettings made = settings(ExecutorKind::Cpu);
+    made.tiles.store = std::make_shared<MemoryStore>();
+    const auto refused = Terrain::create(ridged(), made, nullptr);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(refused.error().message.rfind("tiles.store:", 0), 0u) << refused.error().message;
 }
 
 }  // namespace
