@@ -1,6 +1,7 @@
 #include "tilth/cache/tile_cache.h"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -391,16 +392,26 @@ void TileCache::make_hot(TileIndex index, Tile& tile) {
 
 // ---- textures ----
 
-/// False while as many tiles as may have textures are no farther. Of the others the farthest gives its own up.
-bool TileCache::make_room(TileIndex index, gl::CacheStats& stats) {
-    if (settings_.most_tiles == 0 || textured_.size() < settings_.most_tiles) return true;
+bool TileCache::is_full() const { return settings_.most_tiles != 0 && textured_.size() >= settings_.most_tiles; }
+
+/// Whose textures a tile may have in place of new ones. A tile that is merely kept makes way for one that is wanted, so
+/// that no more exist than the viewers' windows need; under a bound the farthest makes way for a nearer one.
+std::optional<TileIndex> TileCache::makes_way_for(TileIndex index) const {
     const auto rank = [&](TileIndex at) {
         return std::pair(static_cast<int>(interest(at)), -tiles_away(at, viewers_));
     };
-    const TileIndex farthest = *std::min_element(textured_.begin(), textured_.end(),
-                                                 [&](TileIndex a, TileIndex b) { return rank(a) < rank(b); });
-    if (!(rank(farthest) < rank(index))) return false;
-    return give_up_textures(farthest, *find(farthest), stats);
+    std::optional<TileIndex> farthest;
+    for (const TileIndex at : textured_)
+        if ((is_full() || interest(at) == Interest::Kept) && rank(at) < rank(index) &&
+            (!farthest || rank(at) < rank(*farthest)))
+            farthest = at;
+    return farthest;
+}
+
+/// Whether a tile may have textures now.
+bool TileCache::make_room(TileIndex index, gl::CacheStats& stats) {
+    const std::optional<TileIndex> other = makes_way_for(index);
+    return other ? give_up_textures(*other, *find(*other), stats) : !is_full();
 }
 
 /// At once, unless the field lacks what they hold: then as soon as that has been read back.
@@ -443,6 +454,7 @@ void TileCache::transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageSt
             budget.spend(0, clock_ms() - began_ms);
         }
         if (tile.state != TileState::Uploading || interest(index) == Interest::None || !ring_has_room) continue;
+        if (!tile.has_textures && interest(index) == Interest::Kept) continue;  // gave them up, or never needed any
         if (!tile.has_textures) {
             // Clearing them counts as a slice: the first of a frame, or one that the budget has room for.
             const auto side = static_cast<std::uint64_t>(grid_.stored_size());

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <vector>
@@ -183,6 +184,8 @@ private:
     void poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void refill_neighbours(TileIndex index, const std::set<PageIndex>& read);
     void release_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
+    [[nodiscard]] bool is_full() const;
+    [[nodiscard]] std::optional<TileIndex> makes_way_for(TileIndex index) const;
     bool make_room(TileIndex index, gl::CacheStats& stats);
     bool give_up_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);
     bool acquire(TileIndex index, Tile& tile, gl::CacheStats& stats);

@@ -102,10 +102,9 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
     tile.hot = true;
     tile.state = TileState::Uploading;
     live_.insert(index);
-    const bool has_room = settings_.most_tiles == 0 || textured_.size() < settings_.most_tiles;
+    // Where others must make way first, `transfer` sees to it: stamps of this frame may be on their way to those.
     gl::CacheStats none;
-    if (interest(index) == Interest::None || !has_room || !acquire(index, tile, none))
-        return;  // `transfer` tries again
+    if (interest(index) < Interest::Loaded || is_full() || makes_way_for(index) || !acquire(index, tile, none)) return;
     tile.to_fill.clear();
     tile.current = true;
     tile.state = TileState::Resident;
