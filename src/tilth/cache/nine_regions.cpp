@@ -79,7 +79,12 @@ TileWindow active_window(TileIndex viewer_tile, Region region) {
     return window(viewer_tile, active_offsets(region.x), active_offsets(region.z));
 }
 
-TileWindow kept_window(TileIndex viewer_tile) { return window(viewer_tile, {-1, 1}, {-1, 1}); }
+double kept_band(double band) { return std::min(band + 0.4, (1 + band) / 2); }
+
+TileWindow kept_window(const PlaceInTile& place, double band) {
+    const double wider = kept_band(band);
+    return loaded_window(place.tile, {side_of(place.x, wider), side_of(place.z, wider)});
+}
 
 double active_reach_m(double tile_m, double band) { return tile_m * (1 - band) / 2; }
 
@@ -97,7 +102,7 @@ ViewerTiles tiles_of_viewer(const TileGrid& grid, PostPos at_texels, double band
     return {.own = place.tile,
             .loaded = clipped(loaded_window(place.tile, region), all),
             .active = clipped(active_window(place.tile, region), all),
-            .kept = clipped(kept_window(place.tile), all)};
+            .kept = clipped(kept_window(place, band), all)};
 }
 
 Interest interest_in(TileIndex tile, std::span<const ViewerTiles> viewers) {

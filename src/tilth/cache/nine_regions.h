@@ -42,10 +42,11 @@ Region region_of(const PlaceInTile& place, double band);
 TileWindow loaded_window(TileIndex viewer_tile, Region region);
 TileWindow active_window(TileIndex viewer_tile, Region region);
 
-/// A tile once loaded stays until it leaves the 3 x 3 about the viewer's tile, so that pacing across the band's edge
-/// loads nothing: to lose a tile that the band asked for the viewer must walk nearly half a tile. At most nine a
-/// viewer.
-TileWindow kept_window(TileIndex viewer_tile);
+/// A tile once loaded stays while a wider band would ask for it (0.4 of a tile wider, at most half of what the band
+/// leaves), so that pacing across the band's edge loads nothing: to lose a tile the viewer walks a fifth of one. At
+/// most nine a viewer; and a tile behind him has gone before he dents the one ahead.
+double kept_band(double band);
+TileWindow kept_window(const PlaceInTile& place, double band);
 
 /// How far from a viewer, in any direction, the active tiles are sure to reach, metres: half of what the band leaves.
 /// Detail must have faded out there.

@@ -394,18 +394,15 @@ void TileCache::make_hot(TileIndex index, Tile& tile) {
 
 bool TileCache::is_full() const { return settings_.most_tiles != 0 && textured_.size() >= settings_.most_tiles; }
 
-/// Whose textures a tile may have in place of new ones. A tile that is merely kept makes way for one that is wanted, so
-/// that no more exist than the viewers' windows need; under a bound the farthest makes way for a nearer one.
+/// Under a bound: whose textures a tile may have, being nearer.
 std::optional<TileIndex> TileCache::makes_way_for(TileIndex index) const {
+    if (!is_full()) return std::nullopt;
     const auto rank = [&](TileIndex at) {
         return std::pair(static_cast<int>(interest(at)), -tiles_away(at, viewers_));
     };
-    std::optional<TileIndex> farthest;
-    for (const TileIndex at : textured_)
-        if ((is_full() || interest(at) == Interest::Kept) && rank(at) < rank(index) &&
-            (!farthest || rank(at) < rank(*farthest)))
-            farthest = at;
-    return farthest;
+    const TileIndex farthest = *std::min_element(textured_.begin(), textured_.end(),
+                                                 [&](TileIndex x, TileIndex y) { return rank(x) < rank(y); });
+    return rank(farthest) < rank(index) ? std::optional(farthest) : std::nullopt;
 }
 
 /// Whether a tile may have textures now.

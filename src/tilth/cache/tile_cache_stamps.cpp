@@ -102,9 +102,9 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
     tile.hot = true;
     tile.state = TileState::Uploading;
     live_.insert(index);
-    // Where others must make way first, `transfer` sees to it: stamps of this frame may be on their way to those.
+    // Where another must make way first, `transfer` sees to it: stamps of this frame may be on their way to that one.
     gl::CacheStats none;
-    if (interest(index) < Interest::Loaded || is_full() || makes_way_for(index) || !acquire(index, tile, none)) return;
+    if (interest(index) < Interest::Loaded || is_full() || !acquire(index, tile, none)) return;
     tile.to_fill.clear();
     tile.current = true;
     tile.state = TileState::Resident;
