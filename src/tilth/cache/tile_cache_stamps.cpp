@@ -34,23 +34,23 @@ TileCache::Task TileCache::task_of(const StampRecord& record) const {
 
 Result<void> TileCache::stamp(std::span<const StampRecord> records, gl::StageStats& deform) {
     gpu_outcome_ = {};
-    const auto run_or_wait = [&](Task task) {
+    const auto run_or_wait = [&](const Task& task) {
         if (!must_wait(task)) {
             if (task.prepared.reads_own_texel_only()) return execute(task, deform);
             if (execute_smooth(task, deform)) return;
         }
         for_each_tile(task.window, [&](TileIndex index) { awaited_.insert(index); });
-        deferred_.push_back(std::move(task));
+        deferred_.push_back(task);
     };
     awaited_.clear();
     for (std::size_t left = deferred_.size(); left > 0; --left) {
-        Task task = std::move(deferred_.front());
+        const Task task = deferred_.front();
         deferred_.pop_front();
-        run_or_wait(std::move(task));
+        run_or_wait(task);
     }
     for (const StampRecord& record : records) {
-        Task task = task_of(record);
-        if (!task.prepared.rect().empty()) run_or_wait(std::move(task));
+        const Task task = task_of(record);
+        if (!task.prepared.rect().empty()) run_or_wait(task);
     }
     flush_gpu(deform);
     flush_fills();

@@ -34,8 +34,8 @@ constexpr std::int32_t floor_modulo(std::int32_t a, std::int32_t b) {
 ///     |  +---------+  |         the same as inside. Every tile that holds a texel holds the same code for it.
 ///     +---------------+
 ///
-/// Indices are those of texels divided: a map has fewer than 2^31 texels a side, so no two tiles share an index and none
-/// wraps.
+/// Indices are those of texels divided: a map has fewer than 2^31 texels a side, so no two tiles share an index and
+/// none wraps.
 struct TileGrid {
     std::int32_t size = 2048;  ///< texels a side of the interior, a multiple of 64
     std::int32_t apron = 2;    ///< texels on each side, 0..64
