@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tilth/core/clock.h"
+#include "tilth/ground/raycast.h"
 
 namespace tilth {
 namespace {
@@ -128,11 +129,12 @@ DetailView DetailStage::view_from(WorldPos eye) const {
     const double spacing_m = ground_.map(MapKind::Detail).grid.spacing_m;
     DetailView view{.grid = grid, .spacing_m = spacing_m, .reach_m = active_reach_m(grid.size * spacing_m, band_)};
     view.window = tiles_of_viewer(grid, ground_.map(MapKind::Detail).grid.posts(eye), band_).active;
-    for (std::int32_t z = view.window.min.z; z <= view.window.max.z; ++z)
-        for (std::int32_t x = view.window.min.x; x <= view.window.max.x; ++x)
-            if (cache_->can_be_drawn({x, z}))
-                view.slopes[static_cast<std::size_t>((z - view.window.min.z) * 2 + x - view.window.min.x)] =
-                    textures_->slopes_of({x, z});
+    for_each_tile(view.window, [&](TileIndex tile) {
+        const TileIndex corner = view.window.min;
+        if (cache_->can_be_drawn(tile))
+            view.slopes[static_cast<std::size_t>((tile.z - corner.z) * 2 + tile.x - corner.x)] =
+                textures_->slopes_of(tile);
+    });
     return view;
 }
 
@@ -186,17 +188,8 @@ std::vector<DetailStage::Ahead> DetailStage::tiles_along(const Vec3d& from, cons
         // Cells about the tile's texels: one more on each side.
         const TexelRect rect = expanded(cache_->grid().interior(tile), 1);
         double begin = 0, end = max_m;
-        const auto clip = [&](double at, double slope, double low, double high) {
-            if (slope == 0) {
-                if (at < low || at > high) end = -1;
-                return;
-            }
-            const double a = (low - at) / slope, b = (high - at) / slope;
-            begin = std::max(begin, std::min(a, b));
-            end = std::min(end, std::max(a, b));
-        };
-        clip(start.x, direction.x / length / map.spacing_m, rect.min.x, rect.max.x);
-        clip(start.z, direction.z / length / map.spacing_m, rect.min.z, rect.max.z);
+        clip_ray(start.x, direction.x / length / map.spacing_m, rect.min.x, rect.max.x, begin, end);
+        clip_ray(start.z, direction.z / length / map.spacing_m, rect.min.z, rect.max.z, begin, end);
         if (begin <= end) ahead.push_back({begin, tile});
     }
     std::sort(ahead.begin(), ahead.end(), [](const Ahead& a, const Ahead& b) { return a.distance_m < b.distance_m; });

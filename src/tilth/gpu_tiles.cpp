@@ -52,13 +52,6 @@ CodeBounds::Range range_of(const PageCodes& codes, const TexelRect& page, const 
     return range_of(CodeView(codes.data(), kPageTexels, page), rect);
 }
 
-template <class Visit>
-void for_pages(const TexelRect& rect, const Visit& visit) {
-    const PageRect pages = pages_of(rect);
-    for (std::int32_t z = pages.min.z; z < pages.max.z; ++z)
-        for (std::int32_t x = pages.min.x; x < pages.max.x; ++x) visit(PageIndex{x, z});
-}
-
 }  // namespace
 
 GpuTiles::GpuTiles(gl::Device& device, gl::ShaderLibrary& shaders, Deformer* deformer, gl::TextureCopy copy,
@@ -207,7 +200,7 @@ bool GpuTiles::fill_through_ring(Tile& filled, const TexelRect& part, const Deta
 }
 
 void GpuTiles::note_codes(Tile& filled, const TexelRect& part, const DetailField& field) {
-    for_pages(part, [&](PageIndex at) {
+    for_each_page(pages_of(part), [&](PageIndex at) {
         const TexelRect page = texels_of(at), here = intersection(page, part);
         const PageCodes* codes = field.find(at);
         filled.bounds.put(here,
@@ -384,7 +377,7 @@ void GpuTiles::take(const Slice& slice, std::span<const std::byte> bytes, Tile& 
 
 /// The bounds of what has just been read; of a page that changed since the reading began they would be out of date.
 void GpuTiles::narrow(Tile& read, const CodeView& codes) {
-    for_pages(codes.rect, [&](PageIndex at) {
+    for_each_page(pages_of(codes.rect), [&](PageIndex at) {
         const TexelRect page = texels_of(at), here = intersection(page, codes.rect);
         const bool older = read.reading && !intersection(read.reading->stamped_since, page).empty();
         if (!older) read.bounds.put(here, range_of(codes, here));

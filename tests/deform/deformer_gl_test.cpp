@@ -7,6 +7,7 @@
 
 #include "support/gl_context.h"
 #include "support/random_world.h"
+#include "support/route_and_precision.h"
 #include "tilth/gl/state_guard.h"
 #include "tilth/ground/cpu_executor.h"
 #include "tilth/ground/stamp_range.h"
@@ -58,24 +59,8 @@ struct Twin {
     ApplyResult cpu;
 };
 
-struct Case {
-    context::Route route;
-    HeightPrecision precision;
-};
-
-class DeformerTest : public ::testing::TestWithParam<Case> {
+class DeformerTest : public test::GlRouteTest<test::RouteAndPrecision> {
 protected:
-    void SetUp() override {
-        if (test::test_context(GetParam().route).device) return;
-        if (std::getenv("TILTH_ALLOW_NO_GL") != nullptr) GTEST_SKIP() << "no context on this route";
-        FAIL() << test::test_context(GetParam().route).error;
-    }
-    void TearDown() override {
-        if (!test::test_context(GetParam().route).device) return;
-        gl::Device& device = test::device(GetParam().route);
-        for (const std::string& error : device.take_errors()) ADD_FAILURE() << "GL error: " << error;
-        for (const gl::DebugMessage& message : device.take_debug_messages()) ADD_FAILURE() << message.text;
-    }
     static Twin twin() { return {test::device(GetParam().route), GetParam().precision}; }
 };
 
@@ -181,15 +166,7 @@ TEST_P(DeformerTest, BoundsFromStampRangeHoldAndTellWhenCountingIsNeeded) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Contexts, DeformerTest,
-                         ::testing::Values(Case{context::Route::Egl, HeightPrecision::bits32},
-                                           Case{context::Route::Egl, HeightPrecision::bits16},
-                                           Case{context::Route::Osmesa, HeightPrecision::bits32},
-                                           Case{context::Route::Osmesa, HeightPrecision::bits16}),
-                         [](const auto& param_info) {
-                             return std::string(param_info.param.route == context::Route::Egl ? "Egl" : "Osmesa") +
-                                    (param_info.param.precision == HeightPrecision::bits32 ? "Bits32" : "Bits16");
-                         });
+INSTANTIATE_TEST_SUITE_P(Contexts, DeformerTest, test::every_route_and_precision(), test::name_of);
 
 }  // namespace
 }  // namespace tilth

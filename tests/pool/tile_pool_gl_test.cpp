@@ -18,19 +18,8 @@ struct Case {
     SlopeFormat slopes;
 };
 
-class TilePoolTest : public ::testing::TestWithParam<Case> {
+class TilePoolTest : public test::GlRouteTest<Case> {
 protected:
-    void SetUp() override {
-        if (test::test_context(GetParam().route).device) return;
-        if (std::getenv("TILTH_ALLOW_NO_GL") != nullptr) GTEST_SKIP() << "no context on this route";
-        FAIL() << test::test_context(GetParam().route).error;
-    }
-    void TearDown() override {
-        if (!test::test_context(GetParam().route).device) return;
-        for (const std::string& error : device().take_errors()) ADD_FAILURE() << "GL error: " << error;
-        for (const gl::DebugMessage& message : device().take_debug_messages()) ADD_FAILURE() << message.text;
-    }
-    static gl::Device& device() { return test::device(GetParam().route); }
     static TilePool pool(std::int32_t most_tiles = 0) {
         return {device(),
                 {.grid = {.size = 128, .apron = 3, .map = {{0, 0}, {500, 300}}},

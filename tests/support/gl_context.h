@@ -87,25 +87,39 @@ inline gl::ShaderLibrary shaders(gl::Device& device = test::device()) {
     return gl::ShaderLibrary(device, gl::ShaderSource::folder(TILTH_SOURCE_DIR "/shaders"));
 }
 
-/// Every test starts with a current context and ends without a GL error or a message of the driver.
+/// A test on `route` starts with a current context and ends without a GL error or a message of the driver. The first of
+/// these is the last statement of a SetUp: it may skip.
+inline void start_with_context(context::Route route) {
+    const TestContext& context = test_context(route);
+    if (context.device) return;
+    if (std::getenv("TILTH_ALLOW_NO_GL") != nullptr) GTEST_SKIP() << "no GL context: " << context.error;
+    FAIL() << "no GL context (set TILTH_ALLOW_NO_GL to skip such tests): " << context.error;
+}
+inline void end_without_errors(context::Route route) {
+    TestContext& context = test_context(route);
+    if (!context.device) return;
+    for (const std::string& error : context.device->take_errors()) ADD_FAILURE() << "GL error: " << error;
+    for (const gl::DebugMessage& message : context.device->take_debug_messages())
+        ADD_FAILURE() << "GL message (" << message.kind << ", id " << message.id << "): " << message.text;
+}
+
+/// Tests on the route of the run.
 class GlTest : public ::testing::Test {
 protected:
-    void SetUp() override {
-        TestContext& context = test_context(default_route());
-        if (context.device) return;
-        if (std::getenv("TILTH_ALLOW_NO_GL") != nullptr) GTEST_SKIP() << "no GL context: " << context.error;
-        FAIL() << "no GL context (set TILTH_ALLOW_NO_GL to skip such tests): " << context.error;
-    }
-    void TearDown() override {
-        TestContext& context = test_context(default_route());
-        if (!context.device) return;
-        for (const std::string& error : context.device->take_errors()) ADD_FAILURE() << "GL error: " << error;
-        for (const gl::DebugMessage& message : context.device->take_debug_messages())
-            ADD_FAILURE() << "GL message (" << message.kind << ", id " << message.id << "): " << message.text;
-    }
+    void SetUp() override { start_with_context(default_route()); }
+    void TearDown() override { end_without_errors(default_route()); }
     /// Only valid in a test's body or in SetUp after `GlTest::SetUp` passed.
     static gl::Device& device() { return test::device(); }
     static gl::ShaderLibrary shaders() { return test::shaders(); }
+};
+
+/// Tests on each route; `Case` has a member `route`.
+template <class Case>
+class GlRouteTest : public ::testing::TestWithParam<Case> {
+protected:
+    void SetUp() override { start_with_context(this->GetParam().route); }
+    void TearDown() override { end_without_errors(this->GetParam().route); }
+    static gl::Device& device() { return test::device(::testing::TestWithParam<Case>::GetParam().route); }
 };
 
 /// A framebuffer with RGBA8 colour and 32-bit float depth. (0, 0) is the lower left pixel, as in GL.

@@ -6,17 +6,13 @@
 #include <algorithm>
 
 #include "support/gl_context.h"
+#include "support/route_and_precision.h"
 #include "tilth/gl/state_guard.h"
 #include "tilth/ground/cpu_executor.h"
 #include "tilth/ground/random_stamps.h"
 
 namespace tilth {
 namespace {
-
-struct Case {
-    context::Route route;
-    HeightPrecision precision;
-};
 
 struct WorldOptions {
     std::int32_t size = 128, width = 250, depth = 243;  ///< the far tiles reach beyond the map
@@ -180,19 +176,8 @@ constexpr StampRule kAllRules[] = {StampRule::Add, StampRule::Min, StampRule::Ma
 constexpr StampRule kSmooth[] = {StampRule::Smooth};
 constexpr StampRule kAdd[] = {StampRule::Add};
 
-class GpuTilesTest : public ::testing::TestWithParam<Case> {
+class GpuTilesTest : public test::GlRouteTest<test::RouteAndPrecision> {
 protected:
-    void SetUp() override {
-        if (test::test_context(GetParam().route).device) return;
-        if (std::getenv("TILTH_ALLOW_NO_GL") != nullptr) GTEST_SKIP() << "no context on this route";
-        FAIL() << test::test_context(GetParam().route).error;
-    }
-    void TearDown() override {
-        if (!test::test_context(GetParam().route).device) return;
-        for (const std::string& error : device().take_errors()) ADD_FAILURE() << "GL error: " << error;
-        for (const gl::DebugMessage& message : device().take_debug_messages()) ADD_FAILURE() << message.text;
-    }
-    static gl::Device& device() { return test::device(GetParam().route); }
     static World world(const WorldOptions& options = {}) { return {device(), GetParam().precision, options}; }
 };
 
@@ -430,15 +415,7 @@ TEST_P(GpuTilesTest, UntouchedGroundCostsNothing) {
     EXPECT_EQ(made.tiles->slopes_of({0, 0}), nullptr);
 }
 
-INSTANTIATE_TEST_SUITE_P(Contexts, GpuTilesTest,
-                         ::testing::Values(Case{context::Route::Egl, HeightPrecision::bits32},
-                                           Case{context::Route::Egl, HeightPrecision::bits16},
-                                           Case{context::Route::Osmesa, HeightPrecision::bits32},
-                                           Case{context::Route::Osmesa, HeightPrecision::bits16}),
-                         [](const auto& param_info) {
-                             return std::string(param_info.param.route == context::Route::Egl ? "Egl" : "Osmesa") +
-                                    (param_info.param.precision == HeightPrecision::bits32 ? "Bits32" : "Bits16");
-                         });
+INSTANTIATE_TEST_SUITE_P(Contexts, GpuTilesTest, test::every_route_and_precision(), test::name_of);
 
 }  // namespace
 }  // namespace tilth

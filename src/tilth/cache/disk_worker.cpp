@@ -84,6 +84,14 @@ private:
     std::map<TileIndex, std::map<std::uint64_t, DiskRequest::Kind>> by_tile_;
 };
 
+RequestPtr made(DiskRequest::Kind kind, TileIndex tile, std::uint32_t priority) {
+    auto request = std::make_shared<DiskRequest>();
+    request->kind = kind;
+    request->tile = tile;
+    request->priority = priority;
+    return request;
+}
+
 Error about(TileIndex tile, const char* what, const Error& error) {
     return {error.code, text(what, " detail tile (", tile.x, ", ", tile.z, "): ", error.message)};
 }
@@ -91,20 +99,14 @@ Error about(TileIndex tile, const char* what, const Error& error) {
 }  // namespace
 
 std::shared_ptr<DiskRequest> DiskRequest::load(TileIndex tile, std::vector<LoadPiece> pieces, std::uint32_t priority) {
-    auto request = std::make_shared<DiskRequest>();
-    request->kind = Kind::Load;
-    request->tile = tile;
+    auto request = made(Kind::Load, tile, priority);
     request->pieces = std::move(pieces);
-    request->priority = priority;
     return request;
 }
 
 std::shared_ptr<DiskRequest> DiskRequest::save(TileIndex tile, std::vector<Page> pages, std::uint32_t priority) {
-    auto request = std::make_shared<DiskRequest>();
-    request->kind = Kind::Save;
-    request->tile = tile;
+    auto request = made(Kind::Save, tile, priority);
     request->pages = std::move(pages);
-    request->priority = priority;
     return request;
 }
 

@@ -3,9 +3,7 @@
 namespace tilth {
 
 void add_pages(std::set<PageIndex>& pages, const TexelRect& rect) {
-    const PageRect all = pages_of(rect);
-    for (std::int32_t x = all.min.x; x < all.max.x; ++x)
-        for (std::int32_t z = all.min.z; z < all.max.z; ++z) pages.insert({x, z});
+    for_each_page(pages_of(rect), [&](PageIndex page) { pages.insert(page); });
 }
 
 std::vector<TexelRect> rects_of(const std::set<PageIndex>& pages, const TexelRect& clip) {

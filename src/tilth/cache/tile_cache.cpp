@@ -225,7 +225,7 @@ void TileCache::deliver(const std::shared_ptr<DiskRequest>& done, gl::CacheStats
             ++tile->version;
             tile->stored = true;
             tile->modified = tile->changed;
-            tile->pause_ms = 0, tile->retry_at_ms = 0, tile->reported = false;
+            tile->went_well();
             send(done->tile, *tile, TileEvent::Saved, stats);
         } else {
             tile->changed = true;
@@ -242,7 +242,7 @@ void TileCache::deliver(const std::shared_ptr<DiskRequest>& done, gl::CacheStats
         return;
     }
     ++stats.loads;
-    tile->pause_ms = 0, tile->retry_at_ms = 0, tile->reported = false;
+    tile->went_well();
     begin_arrival(done->tile, *tile, done->pieces);
 }
 
@@ -257,17 +257,24 @@ void TileCache::fail(Tile& tile, const Error& error, gl::CacheStats& stats) {
 
 // ---- arriving ----
 
+/// Calls `visit(index, tile, pages that reach into the apron of `of`)` for each neighbour whose codes are not in the
+/// field.
+template <class Visit>
+void TileCache::for_each_cold_neighbour(TileIndex of, const Visit& visit) const {
+    const PageRect stored = pages_of(grid_.stored(of));
+    for_each_neighbour(of, [&](TileIndex at) {
+        const Tile* neighbour = find(at);
+        const PageRect strip = intersection(stored, pages_of(grid_.interior(at)));
+        if (neighbour != nullptr && !neighbour->hot && !strip.empty()) visit(at, *neighbour, strip);
+    });
+}
+
 std::vector<LoadPiece> TileCache::pieces_for(TileIndex index, const Tile& tile) const {
     std::vector<LoadPiece> pieces;
     if (tile.stored)
         pieces.push_back({.tile = index, .pages = pages_of(grid_.interior(index)), .version = tile.version});
-    const PageRect stored = pages_of(grid_.stored(index));
-    for_each_neighbour(index, [&](TileIndex at) {
-        const Tile* neighbour = find(at);
-        if (neighbour != nullptr && neighbour->stored && !neighbour->hot)
-            pieces.push_back({.tile = at,
-                              .pages = intersection(stored, pages_of(grid_.interior(at))),
-                              .version = neighbour->version});
+    for_each_cold_neighbour(index, [&](TileIndex at, const Tile& neighbour, const PageRect& strip) {
+        if (neighbour.stored) pieces.push_back({.tile = at, .pages = strip, .version = neighbour.version});
     });
     return pieces;
 }
@@ -288,13 +295,9 @@ void TileCache::start_load(TileIndex index, Tile& tile) {
 void TileCache::begin_arrival(TileIndex index, Tile& tile, std::span<LoadPiece> loaded) {
     tile.arriving = std::make_unique<Arrival>();
     Arrival& arrival = *tile.arriving;
-    const PageRect stored = pages_of(grid_.stored(index));
-    for_each_neighbour(index, [&](TileIndex at) {
-        const Tile* neighbour = find(at);
-        const PageRect strip = intersection(stored, pages_of(grid_.interior(at)));
-        if (neighbour == nullptr || neighbour->hot || strip.empty()) return;
+    for_each_cold_neighbour(index, [&](TileIndex at, const Tile& neighbour, const PageRect& strip) {
         // What the store has of it counts only if it came along.
-        const std::uint64_t version = neighbour->stored ? kNotLoaded : neighbour->version;
+        const std::uint64_t version = neighbour.stored ? kNotLoaded : neighbour.version;
         arrival.neighbours.push_back({.owner = at, .version = version, .pages = strip});
     });
     for (LoadPiece& piece : loaded) {
@@ -307,13 +310,9 @@ void TileCache::begin_arrival(TileIndex index, Tile& tile, std::span<LoadPiece> 
 /// False when a neighbour was saved, and its codes dropped, since they were asked for: or touched for the first time.
 bool TileCache::is_current(TileIndex index, const Arrival& arrival) const {
     bool current = true;
-    const PageRect stored = pages_of(grid_.stored(index));
-    for_each_neighbour(index, [&](TileIndex at) {
-        const Tile* neighbour = find(at);
-        if (neighbour == nullptr || neighbour->hot || intersection(stored, pages_of(grid_.interior(at))).empty())
-            return;
+    for_each_cold_neighbour(index, [&](TileIndex at, const Tile& neighbour, const PageRect&) {
         current = current && std::any_of(arrival.neighbours.begin(), arrival.neighbours.end(), [&](const auto& guest) {
-                      return guest.owner == at && guest.version == neighbour->version;
+                      return guest.owner == at && guest.version == neighbour.version;
                   });
     });
     return current;
@@ -328,7 +327,7 @@ bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl:
         return false;
     }
     Arrival& arrival = *tile.arriving;
-    const TexelRect inside = intersection(grid_.interior(index), grid_.map);
+    const TexelRect inside = grid_.inside(index);
     for (; arrival.applied < tile.pending.size() && most_stamps > 0; ++arrival.applied, --most_stamps) {
         const ApplyResult result = apply_stamp(tile.pending[arrival.applied], arrival.own, inside);
         deform.texels += result.texels;
@@ -514,10 +513,8 @@ void TileCache::finish_fill(TileIndex index, Tile& tile, gl::CacheStats& stats) 
 // ---- leaving ----
 
 void TileCache::start_save(TileIndex index, Tile& tile, gl::CacheStats& stats) {
-    if (!tile.reading.empty()) return;
-    if (!tile.newer.empty()) {
-        if (textures_.begin_read_back(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map))))
-            tile.reading = std::exchange(tile.newer, {});
+    if (!tile.newer.empty() || !tile.reading.empty()) {
+        begin_read_back(index, tile);
         return;
     }
     release_textures(index, tile, stats);
@@ -527,10 +524,15 @@ void TileCache::start_save(TileIndex index, Tile& tile, gl::CacheStats& stats) {
     worker_.submit(tile.request);
 }
 
-void TileCache::poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats) {
-    if (tile.yielding && tile.reading.empty() && !tile.newer.empty() &&
-        textures_.begin_read_back(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map))))
+/// What the field lacks is on its way from now on, unless something is already, or the ring is full.
+void TileCache::begin_read_back(TileIndex index, Tile& tile) {
+    if (tile.reading.empty() && !tile.newer.empty() &&
+        textures_.begin_read_back(index, rects_of(tile.newer, grid_.inside(index))))
         tile.reading = std::exchange(tile.newer, {});
+}
+
+void TileCache::poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats) {
+    if (tile.yielding) begin_read_back(index, tile);
     if (!tile.reading.empty()) {
         const ReadBackState state = textures_.poll_read_back(index, field_);
         if (state == ReadBackState::Pending) return;

@@ -158,6 +158,8 @@ private:
         double retry_at_ms = 0, pause_ms = 0, wanted_ms = -1;
         Error trouble;          ///< the last, while `pause_ms` is not 0
         bool reported = false;  ///< it
+
+        void went_well() { pause_ms = retry_at_ms = 0, reported = false; }
     };
     struct Task {
         PreparedStamp prepared;
@@ -173,6 +175,8 @@ private:
     void start_wanted(gl::CacheStats& stats);
     void let_go_unwanted(gl::CacheStats& stats);
     void start_load(TileIndex index, Tile& tile);
+    template <class Visit>
+    void for_each_cold_neighbour(TileIndex of, const Visit& visit) const;
     [[nodiscard]] std::vector<LoadPiece> pieces_for(TileIndex index, const Tile& tile) const;
     void begin_arrival(TileIndex index, Tile& tile, std::span<LoadPiece> loaded);
     [[nodiscard]] bool is_current(TileIndex index, const Arrival& arrival) const;
@@ -181,6 +185,7 @@ private:
     void make_hot(TileIndex index, Tile& tile);
     void drop(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void start_save(TileIndex index, Tile& tile, gl::CacheStats& stats);
+    void begin_read_back(TileIndex index, Tile& tile);
     void poll_read_back(TileIndex index, Tile& tile, gl::CacheStats& stats);
     void refill_neighbours(TileIndex index, const std::set<PageIndex>& read);
     void release_textures(TileIndex index, Tile& tile, gl::CacheStats& stats);

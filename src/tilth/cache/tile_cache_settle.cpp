@@ -134,8 +134,7 @@ Result<std::uint64_t> TileCache::hash(gl::CacheStats& stats, gl::StageStats& def
             if (!request->outcome) return request->outcome.error();
             for (Page& page : request->pieces.front().loaded) codes.put(std::move(page));
         }
-        for (const PreparedStamp& stamp : tile.pending)
-            apply_stamp(stamp, codes, intersection(grid_.interior(index), grid_.map));
+        for (const PreparedStamp& stamp : tile.pending) apply_stamp(stamp, codes, grid_.inside(index));
         add_tile_to_hash(hasher, index, grid_.size, codes.pages_in(pages));
     }
     return hasher.digest();
@@ -153,7 +152,7 @@ void TileCache::read_back_now(TileIndex index, Tile& tile) {
     }
     tile.yielding = yielding;
     if (tile.newer.empty()) return;
-    textures_.read_back_now(index, rects_of(tile.newer, intersection(grid_.interior(index), grid_.map)), field_);
+    textures_.read_back_now(index, rects_of(tile.newer, grid_.inside(index)), field_);
     refill_neighbours(index, std::exchange(tile.newer, {}));
 }
 

@@ -79,9 +79,7 @@ bool TileCache::smooth_is_ready(const Task& task) {
         Tile* tile = find(index);
         if (tile == nullptr || !on_gpu(*tile)) return;
         if (gpu_tiles_.contains(index) || !tile->newer.empty() || !tile->reading.empty()) ready = false;
-        if (tile->reading.empty() && !tile->newer.empty() && !gpu_tiles_.contains(index) &&
-            textures_.begin_read_back(index, rects_of(tile->newer, intersection(grid_.interior(index), grid_.map))))
-            tile->reading = std::exchange(tile->newer, {});
+        if (!gpu_tiles_.contains(index)) begin_read_back(index, *tile);
     });
     return ready;
 }
@@ -112,9 +110,7 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
 
 void TileCache::execute(const Task& task, gl::StageStats& deform) {
     const TexelRect rect = task.prepared.rect();
-    const auto part = [&](TileIndex index) {
-        return intersection(intersection(grid_.interior(index), grid_.map), rect);
-    };
+    const auto part = [&](TileIndex index) { return intersection(grid_.inside(index), rect); };
     // All tiles first: one that becomes hot makes guests of its neighbours' pages.
     for_each_tile(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
     bool drawn = false;
@@ -144,11 +140,10 @@ void TileCache::execute(const Task& task, gl::StageStats& deform) {
 void TileCache::apply_to_guests(const PreparedStamp& stamp, TileIndex cold) {
     if (!any_of({{cold.x - 1, cold.z - 1}, {cold.x + 1, cold.z + 1}}, [&](TileIndex index) { return is_hot(index); }))
         return;
-    const TexelRect inside = intersection(intersection(grid_.interior(cold), grid_.map), stamp.rect());
-    const PageRect pages = pages_of(inside);
-    for (std::int32_t z = pages.min.z; z < pages.max.z; ++z)
-        for (std::int32_t x = pages.min.x; x < pages.max.x; ++x)
-            if (is_hot(PageIndex{x, z})) apply_stamp(stamp, field_, intersection(texels_of({x, z}), inside));
+    const TexelRect inside = intersection(grid_.inside(cold), stamp.rect());
+    for_each_page(pages_of(inside), [&](PageIndex page) {
+        if (is_hot(page)) apply_stamp(stamp, field_, intersection(texels_of(page), inside));
+    });
 }
 
 /// The field has new codes in `rect`, which the tile's textures lack.
@@ -203,8 +198,7 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
             const TexelRect shared = intersection(intersection(rect, grid_.interior(from)), grid_.stored(to));
             if (from != to && !shared.empty()) textures_.exchange(from, to, shared);
         }
-    for (const TileIndex index : tiles)
-        add_pages(find(index)->newer, intersection(intersection(rect, grid_.interior(index)), grid_.map));
+    for (const TileIndex index : tiles) add_pages(find(index)->newer, intersection(rect, grid_.inside(index)));
     return true;
 }
 
@@ -239,7 +233,7 @@ void TileCache::apply_batch_on_cpu(std::size_t first, gl::StageStats& deform) {
     for (const TileIndex index : gpu_tiles_) {
         Tile& tile = *find(index);
         read_back_now(index, tile);
-        const TexelRect inside = intersection(grid_.interior(index), grid_.map);
+        const TexelRect inside = grid_.inside(index);
         for (std::size_t i = first; i < gpu_batch_.size(); ++i)
             count(deform, apply_stamp(gpu_batch_[i], field_, inside));
     }

@@ -34,16 +34,17 @@ public:
     /// Holds every code of `rect`, as far as it lies in what is held; if nothing does, no code at all (min > max).
     [[nodiscard]] Range query(const TexelRect& rect) const {
         Range all;
-        for_pages(intersection(rect, held_), [&](PageIndex page) { all.include(ranges_[index(page)]); });
+        for_each_page(pages_of(intersection(rect, held_)), [&](PageIndex page) { all.include(ranges_[index(page)]); });
         return all;
     }
     /// Codes of `rect` may now also lie in `range`.
     void widen(const TexelRect& rect, Range range) {
-        for_pages(intersection(rect, held_), [&](PageIndex page) { ranges_[index(page)].include(range); });
+        for_each_page(pages_of(intersection(rect, held_)),
+                      [&](PageIndex page) { ranges_[index(page)].include(range); });
     }
     /// Codes of `rect` now lie in `range`: pages that it covers forget what they held before.
     void put(const TexelRect& rect, Range range) {
-        for_pages(intersection(rect, held_), [&](PageIndex page) {
+        for_each_page(pages_of(intersection(rect, held_)), [&](PageIndex page) {
             const TexelRect whole = intersection(texels_of(page), held_);
             if (intersection(rect, whole) == whole)
                 ranges_[index(page)] = range;
@@ -53,12 +54,6 @@ public:
     }
 
 private:
-    template <class Visit>
-    static void for_pages(const TexelRect& rect, const Visit& visit) {
-        const PageRect pages = pages_of(rect);
-        for (std::int32_t z = pages.min.z; z < pages.max.z; ++z)
-            for (std::int32_t x = pages.min.x; x < pages.max.x; ++x) visit(PageIndex{x, z});
-    }
     [[nodiscard]] std::size_t index(PageIndex page) const {
         return static_cast<std::size_t>(page.z - pages_.min.z) * static_cast<std::size_t>(pages_.max.x - pages_.min.x) +
                static_cast<std::size_t>(page.x - pages_.min.x);

@@ -71,17 +71,13 @@ ApplyResult apply_stamp(const PreparedStamp& stamp, DetailField& field, const Te
     ApplyResult result{.rect = rect, .texels = static_cast<std::uint64_t>(rect.count())};
     std::vector<Before> before;  // one or none
     if (!stamp.reads_own_texel_only()) before.emplace_back(rect, map, [&](Texel t) { return field.code(t); });
-    const PageIndex first = page_of(rect.min);
-    const PageIndex last = page_of({rect.max.x - 1, rect.max.z - 1});
-    for (std::int32_t page_z = first.z; page_z <= last.z; ++page_z)
-        for (std::int32_t page_x = first.x; page_x <= last.x; ++page_x) {
-            PageCodes& page = field.touch({page_x, page_z});
-            const Texel corner{page_x * kPageTexels, page_z * kPageTexels};
-            const TexelRect part = intersection(rect, {corner, {corner.x + kPageTexels, corner.z + kPageTexels}});
-            result.saturated +=
-                apply_rows(stamp, part, kernels, before.empty() ? nullptr : before.data(),
-                           [&](Texel t) { return page.data() + (t.z - corner.z) * kPageTexels + (t.x - corner.x); });
-        }
+    for_each_page(pages_of(rect), [&](PageIndex at) {
+        PageCodes& page = field.touch(at);
+        const TexelRect whole = texels_of(at);
+        result.saturated +=
+            apply_rows(stamp, intersection(rect, whole), kernels, before.empty() ? nullptr : before.data(),
+                       [&](Texel t) { return page.data() + (t.z - whole.min.z) * kPageTexels + (t.x - whole.min.x); });
+    });
     return result;
 }
 

@@ -46,20 +46,18 @@ std::vector<Page> DetailField::pages_in(const PageRect& rect) const {
 }
 
 void DetailField::copy(const TexelRect& rect, std::uint32_t* out, std::size_t stride) const {
-    const PageRect pages = pages_of(rect);
-    for (std::int32_t page_z = pages.min.z; page_z < pages.max.z; ++page_z)
-        for (std::int32_t page_x = pages.min.x; page_x < pages.max.x; ++page_x) {
-            const TexelRect part = intersection(rect, texels_of({page_x, page_z}));
-            const PageCodes* page = find({page_x, page_z});
-            for (std::int32_t z = part.min.z; z < part.max.z; ++z) {
-                std::uint32_t* to = out + static_cast<std::size_t>(z - rect.min.z) * stride +
-                                    static_cast<std::size_t>(part.min.x - rect.min.x);
-                if (page == nullptr)
-                    std::fill_n(to, part.width(), kMidCode);
-                else
-                    std::copy_n(page->data() + within_page({part.min.x, z}), part.width(), to);
-            }
+    for_each_page(pages_of(rect), [&](PageIndex at) {
+        const TexelRect part = intersection(rect, texels_of(at));
+        const PageCodes* page = find(at);
+        for (std::int32_t z = part.min.z; z < part.max.z; ++z) {
+            std::uint32_t* to = out + static_cast<std::size_t>(z - rect.min.z) * stride +
+                                static_cast<std::size_t>(part.min.x - rect.min.x);
+            if (page == nullptr)
+                std::fill_n(to, part.width(), kMidCode);
+            else
+                std::copy_n(page->data() + within_page({part.min.x, z}), part.width(), to);
         }
+    });
 }
 
 bool is_untouched(const PageCodes& codes) {

@@ -47,6 +47,12 @@ constexpr PageRect pages_of(const TexelRect& rect) {
     const PageIndex last = page_of({rect.max.x - 1, rect.max.z - 1});
     return {page_of(rect.min), {last.x + 1, last.z + 1}};
 }
+/// Calls `visit(page)` for each page of `pages`, row by row.
+template <class Visit>
+constexpr void for_each_page(const PageRect& pages, const Visit& visit) {
+    for (std::int32_t z = pages.min.z; z < pages.max.z; ++z)
+        for (std::int32_t x = pages.min.x; x < pages.max.x; ++x) visit(PageIndex{x, z});
+}
 constexpr PageRect intersection(const PageRect& a, const PageRect& b) {
     return {{a.min.x > b.min.x ? a.min.x : b.min.x, a.min.z > b.min.z ? a.min.z : b.min.z},
             {a.max.x < b.max.x ? a.max.x : b.max.x, a.max.z < b.max.z ? a.max.z : b.max.z}};

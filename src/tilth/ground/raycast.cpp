@@ -32,17 +32,6 @@ private:
     double start_, slope_, line_ = 0, next_ = kNever;
 };
 
-/// Shrinks [begin, end] to where 0 <= start + slope t <= last.
-void clip(double start, double slope, double last, double& begin, double& end) {
-    if (slope == 0) {
-        if (start < 0 || start > last) end = -kNever;
-        return;
-    }
-    const double a = -start / slope, b = (last - start) / slope;
-    begin = std::max(begin, std::min(a, b));
-    end = std::min(end, std::max(a, b));
-}
-
 }  // namespace
 
 std::optional<double> raycast(const Ground& ground, const Vec3d& from, const Vec3d& direction, double max_m) {
@@ -55,8 +44,8 @@ std::optional<double> raycast(const Ground& ground, const Vec3d& from, const Vec
     const PostPos start = grid.posts({from.x, from.z});
     const double slope_x = d.x / grid.spacing_m, slope_z = d.z / grid.spacing_m;
     double begin = 0, end = std::min(max_m, kFurthest);
-    clip(start.x, slope_x, grid.width - 1.0, begin, end);
-    clip(start.z, slope_z, grid.depth - 1.0, begin, end);
+    clip_ray(start.x, slope_x, 0, grid.width - 1.0, begin, end);
+    clip_ray(start.z, slope_z, 0, grid.depth - 1.0, begin, end);
     if (!(begin <= end)) return std::nullopt;
 
     const auto clearance = [&](double t) {

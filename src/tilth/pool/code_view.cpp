@@ -13,24 +13,22 @@ CodeView GatheredCodes::gather(const DetailField& field, const TexelRect& rect) 
 }
 
 void scatter(const CodeView& codes, DetailField& field) {
-    const PageRect pages = pages_of(codes.rect);
-    for (std::int32_t page_z = pages.min.z; page_z < pages.max.z; ++page_z)
-        for (std::int32_t page_x = pages.min.x; page_x < pages.max.x; ++page_x) {
-            const TexelRect whole = texels_of({page_x, page_z}), part = intersection(codes.rect, whole);
-            const auto untouched = [&](std::int32_t z) {
-                const std::uint32_t* row = codes.at({part.min.x, z});
-                return std::all_of(row, row + part.width(), [](std::uint32_t code) { return code == kMidCode; });
-            };
-            if (field.find({page_x, page_z}) == nullptr) {
-                std::int32_t z = part.min.z;
-                while (z < part.max.z && untouched(z)) ++z;
-                if (z == part.max.z) continue;
-            }
-            PageCodes& page = field.touch({page_x, page_z});
-            for (std::int32_t z = part.min.z; z < part.max.z; ++z)
-                std::copy_n(codes.at({part.min.x, z}), part.width(),
-                            page.data() + (z - whole.min.z) * kPageTexels + (part.min.x - whole.min.x));
+    for_each_page(pages_of(codes.rect), [&](PageIndex at) {
+        const TexelRect whole = texels_of(at), part = intersection(codes.rect, whole);
+        const auto untouched = [&](std::int32_t z) {
+            const std::uint32_t* row = codes.at({part.min.x, z});
+            return std::all_of(row, row + part.width(), [](std::uint32_t code) { return code == kMidCode; });
+        };
+        if (field.find(at) == nullptr) {
+            std::int32_t z = part.min.z;
+            while (z < part.max.z && untouched(z)) ++z;
+            if (z == part.max.z) return;
         }
+        PageCodes& page = field.touch(at);
+        for (std::int32_t z = part.min.z; z < part.max.z; ++z)
+            std::copy_n(codes.at({part.min.x, z}), part.width(),
+                        page.data() + (z - whole.min.z) * kPageTexels + (part.min.x - whole.min.x));
+    });
 }
 
 }  // namespace tilth

@@ -47,6 +47,8 @@ struct TileGrid {
     [[nodiscard]] constexpr TexelRect interior(TileIndex t) const {
         return {{t.x * size, t.z * size}, {t.x * size + size, t.z * size + size}};
     }
+    /// The part of the interior that the map has: all but the last tiles are whole.
+    [[nodiscard]] constexpr TexelRect inside(TileIndex t) const { return intersection(interior(t), map); }
     [[nodiscard]] constexpr TexelRect stored(TileIndex t) const { return expanded(interior(t), apron); }
     /// Texels a side of a tile's textures.
     [[nodiscard]] constexpr std::int32_t stored_size() const { return size + 2 * apron; }
