@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "demo/scenario/names.h"
+#include "demo/scenario/read_scenario.h"
 
 namespace tilth::demo {
 
@@ -43,8 +44,8 @@ CLI::Validator one_of_these(const std::vector<std::string>& names) {
         joined(names));
 }
 
-std::string not_in_this_build(std::string& value) {
-    return "'" + value + "': this build does not have worlds on disk yet; leave the flag out";
+std::string check_folder_name(std::string& value) {
+    return value.empty() ? "is empty; allowed: the path of a folder" : std::string();
 }
 
 std::string check_size(std::string& value) {
@@ -65,7 +66,7 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
     ParsedArguments parsed;
     Arguments& a = parsed.arguments;
     CLI::App app("tilth-sandbox: ground that can be dented, in a window or by a scenario", "tilth-sandbox");
-    std::string size, store;
+    std::string size;
     app.add_flag("--headless", a.headless, "no window; needs --scenario");
     app.add_option("--scenario", a.scenario, "what to play (TOML)");
     app.add_option("--heights", a.heights, "of the default world: a file, or ridged:..., flat:..., hill:...");
@@ -76,7 +77,8 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
     app.add_option("--executor", a.executor, "who computes stamps")->check(one_of_these(kExecutorNames));
     app.add_option("--context", a.context, "where GL comes from without a window")->check(one_of_these(kContextNames));
     app.add_option("--precision", a.precision, "of heights")->check(one_of_these(kPrecisionNames));
-    app.add_option("--store", store, "the world's folder")->check(CLI::Validator(not_in_this_build, "DIR"));
+    app.add_option("--store", a.store, "the world's folder; what was dented there stays")
+        ->check(CLI::Validator(check_folder_name, "DIR"));
     app.add_option("--out", a.out, "folder for relative outputs");
     app.add_option("--stats", a.stats, "statistics as JSON");
     app.add_option("--stamps", a.stamps, "folder of stamp images")->check(CLI::ExistingDirectory);
@@ -112,6 +114,10 @@ void override_scenario(const Arguments& arguments, Scenario& scenario) {
         settings.ground.precision =
             *arguments.precision == "bits32" ? HeightPrecision::bits32 : HeightPrecision::bits16;
     settings.shader_folder = arguments.shaders;
+    if (!arguments.store.empty()) {
+        settings.world.folder = without_last_slash(arguments.store);
+        scenario.terrain.lines.erase("store");  // what is wrong with it is not the file's
+    }
 }
 
 }  // namespace tilth::demo

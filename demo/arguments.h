@@ -17,6 +17,7 @@ struct Arguments {
     std::optional<std::string> backend, preset, executor, precision;
     std::string context = "egl";  ///< "egl" | "osmesa" | "glfw"
     std::string out = ".";        ///< where relative outputs go; made if it is not there
+    std::string store;            ///< the world's folder; empty: the scenario's, or none
     std::string stats;            ///< JSON; empty: none
     std::string stamps;           ///< folder of stamp images
     std::string shaders;          ///< folder; empty: the embedded ones

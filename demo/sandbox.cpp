@@ -10,6 +10,7 @@
 #include "demo/window/sandbox_window.h"
 #include "demo/world/open_world.h"
 #include "demo/world/stamp_folder.h"
+#include "demo/world/world_session.h"
 
 namespace tilth::demo {
 
@@ -53,7 +54,7 @@ bool write_stats(const std::string& path, const RunReport& report) {
 /// What stands before the first step: context, world, screen. Members die in reverse, the context last.
 struct Session {
     std::optional<GlRoute> route;
-    std::unique_ptr<Terrain> terrain;
+    std::unique_ptr<WorldSession> world;
     std::optional<Screen> screen;
 };
 
@@ -65,8 +66,9 @@ std::optional<int> open_session(const Arguments& arguments, const std::string& s
     if (!route) return not_started(route.error());
     session.route = std::move(*route);
     Problems problems;
-    session.terrain = open_world(scenario.terrain, std::move(heights), stamps, session.route->get_proc(), problems);
-    if (!session.terrain) return not_started(problems, scenario);
+    session.world = WorldSession::open({scenario.terrain, std::move(heights), stamps, session.route->get_proc()},
+                                       problems, std::cerr);
+    if (!session.world) return not_started(problems, scenario);
     auto screen = Screen::create(session.route->get_proc(), scenario.view);
     if (!screen) return not_started(screen.error());
     session.screen = std::move(*screen);
@@ -102,19 +104,23 @@ int run_sandbox(const Arguments& arguments) {
 
     Session session;
     if (const auto status = open_session(arguments, stamps, scenario, heights, session)) return *status;
-    Player player(*session.terrain, scenario, &*session.screen, {arguments.out, session.route->name(), low_m, high_m},
+    Player player(*session.world, scenario, &*session.screen, {arguments.out, session.route->name(), low_m, high_m},
                   std::cerr);
     bool good = player.play();
     if (!arguments.stats.empty()) good = write_stats(arguments.stats, player.report(true)) && good;
-    if (!arguments.headless) {
+    if (!arguments.headless && session.world->is_open()) {
         const WindowSettings window{scenario.view,    low_m,           high_m, player.viewer(), arguments.out,
                                     arguments.frames, arguments.script};
-        if (const auto run = run_window(session.route->window(), *session.terrain, window); !run) {
+        if (const auto run = run_window(session.route->window(), session.world->terrain(), window); !run) {
             std::cerr << run.error().message << std::endl;
             good = false;
         }
     }
-    for (const std::string& message : session.terrain->take_debug_messages()) std::cerr << "GL: " << message << '\n';
+    if (const auto flushed = session.world->flush(); !flushed) {
+        std::cerr << flushed.error().message << std::endl;
+        good = false;
+    }
+    for (const std::string& message : session.world->take_debug_messages()) std::cerr << "GL: " << message << '\n';
     return good ? kDone : kStepFailed;
 }
 

@@ -28,6 +28,23 @@ constexpr std::chrono::seconds kMostWaitForTiles{30};
 
 constexpr std::size_t kMostTroublesTold = 3;
 
+/// Damage that cost nothing: the store made again what it had lost.
+bool is_repaired(const Error& error) {
+    return error.code == ErrorCode::FileFormat && error.message.ends_with("from the journal");
+}
+
+/// Stamps while it lives are undone together.
+class StrokeScope {
+public:
+    explicit StrokeScope(Terrain& terrain) : terrain_(terrain) { terrain_.begin_stroke(); }
+    ~StrokeScope() { terrain_.end_stroke(); }
+    StrokeScope(const StrokeScope&) = delete;
+    StrokeScope& operator=(const StrokeScope&) = delete;
+
+private:
+    Terrain& terrain_;
+};
+
 std::uint64_t resident_tiles(const Terrain& terrain) {
     const std::vector<TileReport> tiles = terrain.tiles();
     return static_cast<std::uint64_t>(std::count_if(
@@ -36,15 +53,15 @@ std::uint64_t resident_tiles(const Terrain& terrain) {
 
 }  // namespace
 
-Player::Player(Terrain& terrain, const Scenario& scenario, Screen* screen, PlayerSettings settings,
+Player::Player(WorldSession& world, const Scenario& scenario, Screen* screen, PlayerSettings settings,
                std::ostream& errors)
-    : terrain_(terrain),
+    : world_(world),
       scenario_(scenario),
       screen_(screen),
       settings_(std::move(settings)),
       errors_(errors),
       shading_(shading_of(scenario.view, settings_.low_m, settings_.high_m)),
-      viewer_(viewer_at_centre(terrain.ground())) {}
+      viewer_(viewer_at_centre(world.terrain().ground())) {}
 
 bool Player::play() {
     for (const Step& step : scenario_.steps)
@@ -60,11 +77,11 @@ bool Player::play() {
 void Player::attempt(int number, int line, const std::function<Outcome()>& action) {
     Outcome failed;
     try {
-        failed = action();
+        failed = world_.is_open() ? action() : "the world is not open; see the step that opened it again";
     } catch (const std::exception& error) {
         failed = error.what();
     }
-    if (const Outcome trouble = tile_trouble(); trouble && (!failed || failed->find(*trouble) == std::string::npos))
+    if (const Outcome trouble = store_trouble(); trouble && (!failed || failed->find(*trouble) == std::string::npos))
         failed = failed ? *failed + "; " + *trouble : *trouble;
     if (!failed) return;
     const std::string message = text(scenario_.file.string(), ":", line, ": step ", number, ": ", *failed);
@@ -74,7 +91,7 @@ void Player::attempt(int number, int line, const std::function<Outcome()>& actio
 
 Player::Outcome Player::drained() {
     queued_ = 0;
-    if (const auto done = terrain_.drain(); !done) return done.error().message;
+    if (const auto done = terrain().drain(); !done) return done.error().message;
     return {};
 }
 
@@ -82,8 +99,12 @@ void Player::settle() {
     if (const Outcome failed = drained()) throw std::runtime_error(*failed);
 }
 
-Player::Outcome Player::tile_trouble() {
-    const std::vector<Error> errors = terrain_.take_errors();
+Player::Outcome Player::store_trouble() {
+    if (!world_.is_open()) return {};
+    std::vector<Error> errors = terrain().take_errors();
+    for (const Error& error : errors)
+        if (is_repaired(error)) errors_ << "store: " << error.message << std::endl;
+    std::erase_if(errors, is_repaired);
     if (errors.empty()) return {};
     std::string told;
     for (std::size_t i = 0; i < std::min(errors.size(), kMostTroublesTold); ++i)
@@ -100,7 +121,7 @@ std::vector<WorldPos> Player::viewers() const {
 
 double Player::ground_m(WorldPos at) {
     settle();
-    return terrain_.height_m(at);
+    return terrain().height_m(at);
 }
 
 std::string Player::output_path(const std::string& file) const {
@@ -110,16 +131,16 @@ std::string Player::output_path(const std::string& file) const {
     return path.string();
 }
 
-View Player::view_now() const {
+View Player::view_now() {
     // For the near plane the coarse ground is near enough, and it is there without waiting, whatever is resident.
     const double above_m =
-        viewer_.eye.y - terrain_.ground().height_m({viewer_.eye.x, viewer_.eye.z}, MapSelect::Coarse);
+        viewer_.eye.y - terrain().ground().height_m({viewer_.eye.x, viewer_.eye.z}, MapSelect::Coarse);
     return view_of(viewer_, scenario_.view, above_m);
 }
 
 Player::Outcome Player::queue(StampRequest request, std::int64_t repeat) {
     for (std::int64_t i = 0; i < repeat; ++i) {
-        const auto record = terrain_.stamp(request);
+        const auto record = terrain().stamp(request);
         if (!record) return record.error().message;
         request.key = record->key + 1;  // drawn once, then counted up
         if (++queued_ >= kMaxQueuedStamps) settle();
@@ -133,15 +154,15 @@ Player::Outcome Player::bring_tiles() {
     const Interest needed = bounded ? Interest::Active : Interest::Loaded;
     const auto given_up = std::chrono::steady_clock::now() + kMostWaitForTiles;
     for (;;) {
-        terrain_.set_viewers(viewers());
-        if (const auto updated = terrain_.update(0); !updated) return updated.error().message;
+        terrain().set_viewers(viewers());
+        if (const auto updated = terrain().update(0); !updated) return updated.error().message;
         if (Outcome failed = drained()) return failed;
-        const std::vector<TileReport> tiles = terrain_.tiles();
+        const std::vector<TileReport> tiles = terrain().tiles();
         const auto coming = std::find_if(tiles.begin(), tiles.end(), [&](const TileReport& tile) {
             return tile.interest >= needed && tile.state != TileState::Resident;
         });
         if (coming == tiles.end()) return {};
-        if (Outcome trouble = tile_trouble()) return trouble;
+        if (Outcome trouble = store_trouble()) return trouble;
         if (std::chrono::steady_clock::now() > given_up)
             return text("tile (", coming->tile.x, ", ", coming->tile.z,
                         ") does not come; tile_memory may be too small");
@@ -153,16 +174,16 @@ Player::Outcome Player::draw_frame(bool overlay) {
     queued_ = 0;
     if (screen_ == nullptr) return {};
     std::vector<ColouredRect> map;
-    if (overlay) map = residency_map(terrain_, viewers(), scenario_.view.width, scenario_.view.height);
-    const auto drawn = screen_->draw(terrain_, view_now(), shading_, scenario_.view.clear, map);
+    if (overlay) map = residency_map(terrain(), viewers(), scenario_.view.width, scenario_.view.height);
+    const auto drawn = screen_->draw(terrain(), view_now(), shading_, scenario_.view.clear, map);
     if (!drawn) return drawn.error().message;
     return {};
 }
 
 Player::Outcome Player::timed_frame(double dt_s) {
     const Stopwatch watch;
-    terrain_.set_viewers(viewers());
-    const auto updated = terrain_.update(dt_s);
+    terrain().set_viewers(viewers());
+    const auto updated = terrain().update(dt_s);
     Outcome failed = draw_frame(false);
     if (!updated) failed = updated.error().message;
     watch.stop(frames_);
@@ -179,14 +200,16 @@ Player::Outcome Player::run(const CameraStep& step) {
 }
 
 Player::Outcome Player::run(const StampStep& step) {
+    const StrokeScope stroke(terrain());
     StampRequest request = step.request;
-    request.shape = *terrain_.shapes().find(step.shape);
+    request.shape = *terrain().shapes().find(step.shape);
     return queue(request, step.repeat);
 }
 
 Player::Outcome Player::run(const PathStep& step) {
+    const StrokeScope stroke(terrain());
     PathRequest path{step.stamp.request, step.points, step.spacing_m, step.alternate_m};
-    path.stamp.shape = *terrain_.shapes().find(step.stamp.shape);
+    path.stamp.shape = *terrain().shapes().find(step.stamp.shape);
     const auto stamps = stamps_along(path);
     if (!stamps) return stamps.error().message;
     for (const StampRequest& request : *stamps)
@@ -195,6 +218,7 @@ Player::Outcome Player::run(const PathStep& step) {
 }
 
 Player::Outcome Player::run(const RandomStep& step) {
+    const StrokeScope stroke(terrain());
     RandomStamps random{.seed = step.seed,
                         .count = step.count,
                         .region = step.region,
@@ -203,13 +227,14 @@ Player::Outcome Player::run(const RandomStep& step) {
                         .map = step.map,
                         .shapes = {},
                         .rules = step.rules};
-    for (const std::string& name : step.shapes) random.shapes.push_back(*terrain_.shapes().find(name));
-    for (const StampRequest& request : random_stamps(random, terrain_.ground()))
+    for (const std::string& name : step.shapes) random.shapes.push_back(*terrain().shapes().find(name));
+    for (const StampRequest& request : random_stamps(random, terrain().ground()))
         if (Outcome failed = queue(request, 1)) return failed;
     return {};
 }
 
 Player::Outcome Player::run(const WalkStep& step) {
+    const StrokeScope stroke(terrain());
     const WorldPos from{viewer_.eye.x, viewer_.eye.z};
     const WalkPlan plan = plan_walk(from, step);
     if (plan.frames == 0) return {};
@@ -217,31 +242,31 @@ Player::Outcome Player::run(const WalkStep& step) {
     std::vector<StampRequest> prints;
     if (step.print) {
         PathRequest path{step.print->request, {from, step.to}, step.stride_m, step.alternate_m};
-        path.stamp.shape = *terrain_.shapes().find(step.print->shape);
+        path.stamp.shape = *terrain().shapes().find(step.print->shape);
         auto along = stamps_along(path);
         if (!along) return along.error().message;
         prints = std::move(*along);
     }
     Outcome failed = drained();  // a tile that cannot be had stops nobody
     std::vector<PostPos> stand;
-    for (const WorldPos& at : viewers()) stand.push_back(terrain_.ground().map(MapKind::Detail).grid.posts(at));
-    const LeadWatch leads(terrain_.tile_grid(), scenario_.terrain.settings.tiles.band, stand, step.speed_m_per_s);
-    std::ignore = terrain_.take_arrivals();  // of earlier steps
+    for (const WorldPos& at : viewers()) stand.push_back(terrain().ground().map(MapKind::Detail).grid.posts(at));
+    const LeadWatch leads(terrain().tile_grid(), scenario_.terrain.settings.tiles.band, stand, step.speed_m_per_s);
+    std::ignore = terrain().take_arrivals();  // of earlier steps
     std::size_t printed = 0;
     for (std::int64_t frame = 1; frame <= plan.frames; ++frame) {
         const WorldPos at = plan.position(frame);
         // What the CPU knows of the ground: with the GPU executor without the prints of this walk, but without waiting.
-        viewer_.eye = {at.x, terrain_.ground().height_m(at) + step.above_ground_m, at.z};
+        viewer_.eye = {at.x, terrain().ground().height_m(at) + step.above_ground_m, at.z};
         const std::size_t due = std::min(prints.size(), prints_until(plan.distance_m(frame), step.stride_m));
         for (; printed < due; ++printed)
             if (Outcome wrong = queue(prints[printed], step.print->repeat); wrong && !failed) failed = wrong;
         if (Outcome wrong = timed_frame(step.dt_s); wrong && !failed) failed = wrong;
         walk_frames_.cpu_ms.push_back(frames_.cpu_ms.back());
         walk_frames_.wall_ms.push_back(frames_.wall_ms.back());
-        leads.frame(terrain_.last_frame().cache, terrain_.take_arrivals(), walk_);
+        leads.frame(terrain().last_frame().cache, terrain().take_arrivals(), walk_);
     }
     if (Outcome wrong = drained(); wrong && !failed) failed = wrong;
-    viewer_.eye.y = terrain_.height_m(step.to) + step.above_ground_m;
+    viewer_.eye.y = terrain().height_m(step.to) + step.above_ground_m;
     return failed;
 }
 
@@ -264,6 +289,55 @@ Player::Outcome Player::run(const WaitStep& step) {
     return failed;
 }
 
+Player::Outcome Player::needs_a_folder(const char* step) const {
+    if (world_.is_on_disk()) return {};
+    return text(step, ": the world is in memory alone; set store in [terrain], or give --store DIR");
+}
+
+Player::Outcome Player::opened_again(const std::function<Result<void>()>& open) {
+    Outcome trouble = store_trouble();
+    if (const auto opened = open(); !opened) return opened.error().message;
+    queued_ = 0;
+    terrain().set_viewers(viewers());
+    return trouble;
+}
+
+Player::Outcome Player::run(const SaveStep&) {
+    if (Outcome failed = needs_a_folder("save")) return failed;
+    queued_ = 0;
+    if (const auto saved = terrain().save(); !saved) return "save: " + saved.error().message;
+    return {};
+}
+
+Player::Outcome Player::run(const ReopenStep&) {
+    if (Outcome failed = needs_a_folder("reopen")) return failed;
+    settle();
+    return opened_again([&] { return world_.reopen(); });
+}
+
+Player::Outcome Player::run(const CrashStep&) {
+    if (Outcome failed = needs_a_folder("crash")) return failed;
+    return opened_again([&] { return world_.crash(); });
+}
+
+Player::Outcome Player::run(const UndoStep& step) {
+    const auto available = static_cast<std::int64_t>(terrain().undoable());
+    if (step.strokes > available)
+        return text("undo: ", step.strokes, " strokes were asked for, and ", available, " can be undone; none was");
+    for (std::int64_t i = 0; i < step.strokes; ++i)
+        if (const auto undone = terrain().undo(); !undone) return "undo: " + undone.error().message;
+    return {};
+}
+
+Player::Outcome Player::run(const RedoStep& step) {
+    const auto available = static_cast<std::int64_t>(terrain().redoable());
+    if (step.strokes > available)
+        return text("redo: ", step.strokes, " strokes were asked for, and ", available, " can be redone; none was");
+    for (std::int64_t i = 0; i < step.strokes; ++i)
+        if (const auto redone = terrain().redo(); !redone) return "redo: " + redone.error().message;
+    return {};
+}
+
 Player::Outcome Player::run(const ScreenshotStep& step) {
     if (screen_ == nullptr) return "screenshot: there is no GL context to draw with";
     const Outcome trouble = bring_tiles();  // the picture is made all the same
@@ -277,15 +351,15 @@ Player::Outcome Player::run(const ScreenshotStep& step) {
 
 Player::Outcome Player::bring_codes(const DumpStep& step) {
     if (step.map != MapKind::Detail) return {};
-    const GridSpec& texels = terrain_.ground().map(MapKind::Detail).grid;
-    const TileGrid grid = terrain_.tile_grid();
+    const GridSpec& texels = terrain().ground().map(MapKind::Detail).grid;
+    const TileGrid grid = terrain().tile_grid();
     const TexelRect read = expanded(texels_in(texels, step.region), 1);  // slopes read the next texel
     const TileWindow window = tiles_of(grid, read);
     for (std::int32_t z = window.min.z; z <= window.max.z; ++z)
         for (std::int32_t x = window.min.x; x <= window.max.x; ++x) {
             // A query brings its tile, which stays until the next frame.
             const WorldPos inside = texels.world(intersection(grid.interior({x, z}), grid.map).min);
-            if (std::isnan(terrain_.height_m(inside, MapSelect::Detail)))
+            if (std::isnan(terrain().height_m(inside, MapSelect::Detail)))
                 return text("dump: tile (", x, ", ", z, ") cannot be had from the store");
         }
     return {};
@@ -294,7 +368,7 @@ Player::Outcome Player::bring_codes(const DumpStep& step) {
 Player::Outcome Player::run(const DumpStep& step) {
     settle();
     if (Outcome failed = bring_codes(step)) return failed;
-    const auto written = write_dump(terrain_.ground(), step, output_path(step.file));
+    const auto written = write_dump(terrain().ground(), step, output_path(step.file));
     if (!written) return "dump: " + written.error().message;
     return {};
 }
@@ -302,7 +376,7 @@ Player::Outcome Player::run(const DumpStep& step) {
 Player::Outcome Player::run(const QueryStep& step) {
     settle();
     Json heights = Json::array();
-    for (const WorldPos& at : step.at) heights.push_back(terrain_.height_m(at, step.map));
+    for (const WorldPos& at : step.at) heights.push_back(terrain().height_m(at, step.map));
     queries_.push_back(std::move(heights));
     return {};
 }
@@ -310,9 +384,9 @@ Player::Outcome Player::run(const QueryStep& step) {
 Player::Outcome Player::run(const ExpectStep& step) {
     settle();
     if (const auto* height = std::get_if<ExpectHeight>(&step.what))
-        return unmet(*height, terrain_.height_m(height->at));
+        return unmet(*height, terrain().height_m(height->at));
     if (const auto* hash = std::get_if<ExpectHash>(&step.what)) {
-        const auto is = terrain_.hash();
+        const auto is = terrain().hash();
         return is ? unmet(*hash, *is) : "expect: " + is.error().message;
     }
     const auto& stat = std::get<ExpectStat>(step.what);
@@ -321,24 +395,31 @@ Player::Outcome Player::run(const ExpectStep& step) {
 
 RunReport Player::report(bool with_hash) {
     RunReport r;
-    r.route = settings_.route, r.renderer = terrain_.renderer(), r.gl_version = terrain_.gl_version();
-    r.executor = terrain_.executor() == ExecutorKind::Gpu ? "gpu" : "cpu";
-    r.executor_reason = terrain_.executor_reason();
+    r.frames = frames_, r.walk_frames = walk_frames_;
+    r.walk = walk_;
+    r.queries = queries_;
+    r.route = settings_.route;
+    r.executor_reason = world_.executor_reason();
+    if (world_.is_open()) add_world(with_hash, r);
+    r.total = world_.total();
+    r.failures.insert(r.failures.begin(), failures_.begin(), failures_.end());
+    return r;
+}
+
+void Player::add_world(bool with_hash, RunReport& r) {
     if (with_hash) {
         settle();
-        if (const auto hash = terrain_.hash())
+        if (const auto hash = terrain().hash())
             r.hash = *hash;
         else
             r.failures.push_back("hash: " + hash.error().message);
     }
-    r.frames = frames_, r.walk_frames = walk_frames_;
-    r.total = terrain_.total(), r.last_frame = terrain_.last_frame();
-    r.walk = walk_;
-    r.tiles = resident_tiles(terrain_), r.tile_bytes = terrain_.tile_gpu_bytes();
-    r.gpu_bytes = terrain_.gpu_bytes(), r.cpu_bytes = terrain_.cpu_bytes();
-    r.queries = queries_;
-    r.failures.insert(r.failures.begin(), failures_.begin(), failures_.end());
-    return r;
+    r.renderer = terrain().renderer(), r.gl_version = terrain().gl_version();
+    r.executor = terrain().executor() == ExecutorKind::Gpu ? "gpu" : "cpu";
+    r.last_frame = terrain().last_frame();
+    r.tiles = resident_tiles(terrain()), r.tile_bytes = terrain().tile_gpu_bytes();
+    r.gpu_bytes = terrain().gpu_bytes(), r.cpu_bytes = terrain().cpu_bytes();
+    r.world = terrain().world();
 }
 
 }  // namespace tilth::demo

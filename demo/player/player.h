@@ -12,6 +12,7 @@
 #include "demo/scenario/scenario.h"
 #include "demo/stats/run_report.h"
 #include "demo/stats/walk_leads.h"
+#include "demo/world/world_session.h"
 #include "tilth/terrain.h"
 
 namespace tilth::demo {
@@ -27,11 +28,15 @@ struct PlayerSettings {
 /// Stamps are queued and enter the ground with the next frame, or before any step that looks at the ground. Frames of
 /// `walk` and `wait` are timed; what looks (query, dump, expect, screenshot) drains first, outside their times. A
 /// screenshot also waits for the tiles about the viewers, so that it shows what is there and not how far loading came.
-/// A tile that the store refuses makes the step fail during which it was told.
+/// Each step that stamps is one stroke of undo.
+/// What the store refuses makes the step fail during which it was told; a damaged page that could be made again is a
+/// message. Where a world cannot be opened again, that step and all later ones fail.
 /// Without a screen frames are not drawn and screenshots fail. Thread: the one that owns the context.
 class Player {
 public:
-    Player(Terrain& terrain, const Scenario& scenario, Screen* screen, PlayerSettings settings, std::ostream& errors);
+    /// `world` is open.
+    Player(WorldSession& world, const Scenario& scenario, Screen* screen, PlayerSettings settings,
+           std::ostream& errors);
 
     /// All steps. True if every one did what it says.
     bool play();
@@ -51,12 +56,24 @@ private:
     Outcome run(const TeleportStep& step);
     Outcome run(const ViewersStep& step);
     Outcome run(const WaitStep& step);
+    Outcome run(const SaveStep& step);
+    Outcome run(const ReopenStep& step);
+    Outcome run(const CrashStep& step);
+    Outcome run(const UndoStep& step);
+    Outcome run(const RedoStep& step);
     Outcome run(const ScreenshotStep& step);
     Outcome run(const DumpStep& step);
     Outcome run(const QueryStep& step);
     Outcome run(const ExpectStep& step);
 
+    [[nodiscard]] Terrain& terrain() { return world_.terrain(); }
+    /// What only an open world has.
+    void add_world(bool with_hash, RunReport& report);
     Outcome queue(StampRequest request, std::int64_t repeat);
+    /// Fails for a world in memory; `step` is the key.
+    Outcome needs_a_folder(const char* step) const;
+    /// What the world's last opening still had to tell, before it is closed; the viewers go on in the new one.
+    Outcome opened_again(const std::function<Result<void>()>& open);
     Outcome timed_frame(double dt_s);
     /// `overlay`: with the residency map.
     Outcome draw_frame(bool overlay);
@@ -64,8 +81,8 @@ private:
     Outcome bring_tiles();
     /// The detail codes that a dump reads, into memory.
     Outcome bring_codes(const DumpStep& step);
-    /// What the store could not do since the last call; empty: nothing.
-    Outcome tile_trouble();
+    /// What the store could not do since the last call; empty: nothing. Repairs are told as messages.
+    Outcome store_trouble();
     /// Places of the camera's viewer and of the further ones.
     [[nodiscard]] std::vector<WorldPos> viewers() const;
     /// Runs a step's action; a failure, returned or thrown, is reported and remembered.
@@ -76,9 +93,9 @@ private:
     void settle();
     [[nodiscard]] double ground_m(WorldPos at);
     [[nodiscard]] std::string output_path(const std::string& file) const;
-    [[nodiscard]] View view_now() const;
+    [[nodiscard]] View view_now();
 
-    Terrain& terrain_;
+    WorldSession& world_;
     const Scenario& scenario_;
     Screen* screen_;
     PlayerSettings settings_;

@@ -28,4 +28,7 @@ std::optional<Scenario> read_scenario(const std::filesystem::path& file, const S
 std::optional<Scenario> parse_scenario(std::string_view text, const std::filesystem::path& file,
                                        const ScenarioContext& context, Problems& problems);
 
+/// The path of a folder as the library names its files: without slashes at its end.
+std::string without_last_slash(std::string folder);
+
 }  // namespace tilth::demo

@@ -20,13 +20,10 @@ struct Later {
     const char* key;
     const char* what;
 };
-constexpr Later kLater[] = {{"wave", "effects"},
-                            {"shock", "effects"},
-                            {"save", "worlds on disk"},
-                            {"reopen", "worlds on disk"},
-                            {"crash", "worlds on disk"},
-                            {"undo", "undo"},
-                            {"redo", "undo"}};
+constexpr Later kLater[] = {{"wave", "effects"}, {"shock", "effects"}};
+
+/// More strokes than anybody lays in a session.
+constexpr std::int64_t kMostStrokes = 1'000'000'000;
 
 constexpr Range kSeconds{0, 1e6, false, "seconds from 0 to 1e6"};
 constexpr Range kFrameSeconds{0, 1e6, true, "seconds above 0, at most 1e6"};
@@ -265,6 +262,39 @@ ExpectStep read_expect(TableReader& reader, const toml::table& table, const Scen
     return step;
 }
 
+/// `save = true` and its like: there is nothing that false could mean.
+void read_order(TableReader& step_table, const std::string& key) {
+    if (step_table.boolean(key) == false) step_table.wrong(key, "is false; allowed: true, or leave the step out");
+}
+
+std::int64_t read_strokes(TableReader& step_table, const std::string& key) {
+    return step_table.integer(key, 1, kMostStrokes).value_or(1);
+}
+
+/// The steps whose key holds no table. False: it is another one.
+bool read_plain_step(TableReader& step_table, const std::string& key, Step& step) {
+    if (key == "screenshot") {
+        step.action = read_screenshot(step_table);
+    } else if (key == "teleport") {
+        step.action = TeleportStep{step_table.required_position("teleport")};
+    } else if (key == "viewers") {
+        step.action = ViewersStep{step_table.positions("viewers", 0, kMostViewers).value_or(std::vector<WorldPos>{})};
+    } else if (key == "undo") {
+        step.action = UndoStep{read_strokes(step_table, key)};
+    } else if (key == "redo") {
+        step.action = RedoStep{read_strokes(step_table, key)};
+    } else if (key == "save" || key == "reopen" || key == "crash") {
+        read_order(step_table, key);
+        if (key == "save") step.action = SaveStep{};
+        if (key == "reopen") step.action = ReopenStep{};
+        if (key == "crash") step.action = CrashStep{};
+    } else {
+        return false;
+    }
+    step_table.finish();
+    return true;
+}
+
 std::string joined(const std::vector<std::string>& names) {
     std::string out;
     for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
@@ -313,21 +343,7 @@ std::optional<Step> read_step(const toml::table& table, int number, int line, co
             outer.wrong(*key, text("this build does not have ", later.what, " yet; leave the step out"));
             return {};
         }
-    if (*key == "screenshot") {
-        step.action = read_screenshot(outer);
-        outer.finish();
-        return step;
-    }
-    if (*key == "teleport") {
-        step.action = TeleportStep{outer.required_position("teleport")};
-        outer.finish();
-        return step;
-    }
-    if (*key == "viewers") {
-        step.action = ViewersStep{outer.positions("viewers", 0, kMostViewers).value_or(std::vector<WorldPos>{})};
-        outer.finish();
-        return step;
-    }
+    if (read_plain_step(outer, *key, step)) return step;
     const toml::table* inner = outer.table(*key, "a table");
     outer.finish();
     if (inner == nullptr) return {};

@@ -1,3 +1,4 @@
+#include <charconv>
 #include <cmath>
 
 #include "demo/scenario/names.h"
@@ -71,7 +72,43 @@ void read_tiles(TableReader& reader, TileSettings& tiles) {
         tiles.most_gpu_bytes = static_cast<std::uint64_t>(*bytes);
 }
 
+/// The number in "<number>ms", digits and a point alone.
+std::optional<double> milliseconds_of(std::string_view value) {
+    if (!value.ends_with("ms")) return {};
+    value.remove_suffix(2);
+    double ms = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), ms, std::chars_format::fixed);
+    if (error != std::errc{} || end != value.data() + value.size()) return {};
+    return ms;
+}
+
+void read_flush(TableReader& reader, FlushPolicy& flush) {
+    const char* const allowed = "\"each\", \"manual\" or \"<milliseconds>ms\", from 0.1 to 60000, as in \"5ms\"";
+    flush.when = FlushPolicy::When::Each;
+    const auto value = reader.string("flush", allowed);
+    if (!value || *value == "each") return;
+    const std::optional<double> ms = milliseconds_of(*value);
+    if (*value == "manual") {
+        flush.when = FlushPolicy::When::Manual;
+    } else if (ms && *ms >= 0.1 && *ms <= 60'000) {
+        flush = {.when = FlushPolicy::When::Every, .interval_ms = *ms};
+    } else {
+        reader.wrong("flush", text("is another word, or out of range; allowed: ", allowed));
+    }
+}
+
+void read_world(TableReader& reader, const std::filesystem::path& folder, WorldSettings& world) {
+    if (const auto store = reader.string("store", "a folder's path"))
+        world.folder = without_last_slash((folder / *store).string());
+    read_flush(reader, world.options.flush);
+}
+
 }  // namespace
+
+std::string without_last_slash(std::string folder) {
+    while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
+    return folder;
+}
 
 void read_terrain(TableReader& reader, const std::filesystem::path& folder, TerrainPart& terrain) {
     terrain.line = reader.line();
@@ -83,10 +120,10 @@ void read_terrain(TableReader& reader, const std::filesystem::path& folder, Terr
     if (const auto slopes = reader.choice("slopes", kSlopeNames))
         terrain.settings.slopes = *slopes == 0 ? SlopeFormat::rg8 : SlopeFormat::rg16f;
     reader.empty_list("effects", "effects");
-    reader.not_yet("store", "worlds on disk");
-    reader.not_yet("flush", "a journal");
-    for (const char* key : {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post",
-                            "tile_size", "precision", "executor", "slopes", "band", "budget", "tile_memory"})
+    read_world(reader, folder, terrain.settings.world);
+    for (const char* key :
+         {"heights", "mirror", "spacing", "origin", "quantum", "detail", "texels_per_post", "tile_size", "precision",
+          "executor", "slopes", "band", "budget", "tile_memory", "store", "flush"})
         if (reader.has(key)) terrain.lines[key] = reader.line_of(key);
     reader.finish();
 }

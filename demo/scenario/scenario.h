@@ -21,7 +21,7 @@ namespace tilth::demo {
 /// [terrain]: the world and who computes it.
 struct TerrainPart {
     std::string heights;               ///< a path (already joined with the scenario's folder) or "word:key=value"
-    TerrainSettings settings;          ///< everything else: ground, tiles, executor, slopes, clipmap
+    TerrainSettings settings;          ///< everything else: ground, tiles, world on disk, executor, slopes, clipmap
     std::map<std::string, int> lines;  ///< line of every key that was given, for errors found later
     int line = 1;                      ///< of the table itself
 };
@@ -96,6 +96,19 @@ struct ScreenshotStep {
     bool overlay = false;          ///< with the residency map in the picture's corner
 };
 
+/// The world on disk: `save` puts everything into its pages; `reopen` ends the world and opens it again; `crash` does
+/// so without closing it first.
+struct SaveStep {};
+struct ReopenStep {};
+struct CrashStep {};
+
+struct UndoStep {
+    std::int64_t strokes = 1;
+};
+struct RedoStep {
+    std::int64_t strokes = 1;
+};
+
 enum class DumpWhat { Height, Code, Slope };
 
 struct DumpStep {
@@ -129,8 +142,8 @@ struct ExpectStep {
 struct Step {
     int number = 0;  ///< from 1
     int line = 0;    ///< in the file
-    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, ViewersStep, WaitStep,
-                 ScreenshotStep, DumpStep, QueryStep, ExpectStep>
+    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, ViewersStep, WaitStep, SaveStep,
+                 ReopenStep, CrashStep, UndoStep, RedoStep, ScreenshotStep, DumpStep, QueryStep, ExpectStep>
         action;
 };
 

@@ -26,6 +26,21 @@ Json cache_json(const gl::CacheStats& c) {
             {"transfer_ms", c.transfer_ms}};
 }
 
+Json store_json(const gl::StoreStats& s) {
+    return {{"snapshots", s.snapshots},
+            {"compactions", s.compactions},
+            {"failures", s.failures},
+            {"snapshot_ms", s.snapshot_ms}};
+}
+
+Json world_json(const WorldReport& w) {
+    return {{"edits", w.edits},
+            {"durable", w.durable},
+            {"committed", w.committed},
+            {"journal_bytes", w.journal_bytes},
+            {"page_bytes", w.page_bytes}};
+}
+
 Json number_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json walk_json(const WalkStats& w) {
@@ -49,6 +64,7 @@ Json stats_json(const gl::FrameStats& f) {
             {"mips", stage_json(f.mips)},
             {"render", stage_json(f.render)},
             {"cache", cache_json(f.cache)},
+            {"store", store_json(f.store)},
             {"transfer", {{"bytes_up", f.transfer.bytes_up}, {"bytes_down", f.transfer.bytes_down}}},
             {"effects", {{"wave", {{"passes", 0}, {"texels", 0}, {"bytes", 0}, {"programs", 0}}}}}};
 }
@@ -63,7 +79,7 @@ Json times_json(const std::vector<double>& ms) {
 }  // namespace
 
 Json to_json(const RunReport& r) {
-    return {
+    Json json{
         {"tilth", TILTH_VERSION},
         {"context",
          {{"route", r.route},
@@ -84,6 +100,8 @@ Json to_json(const RunReport& r) {
          {{"tiles", r.tiles}, {"tile_bytes", r.tile_bytes}, {"gpu_bytes", r.gpu_bytes}, {"cpu_bytes", r.cpu_bytes}}},
         {"queries", r.queries},
         {"failures", r.failures}};
+    if (r.world) json["world"] = world_json(*r.world);
+    return json;
 }
 
 std::optional<Json> value_at(const Json& statistics, std::string_view path) {
@@ -112,6 +130,7 @@ bool has_stat(std::string_view path) {
     if (path.starts_with("queries.")) return true;
     RunReport measured;  // with everything that some runs do not measure
     measured.frames = {{1}, {1}};
+    measured.world.emplace();
     measured.walk.smallest_lead_m = measured.walk.smallest_lead_ms = 1;
     const std::optional<Json> value = value_at(to_json(measured), path);
     return value && (value->is_number() || value->is_string());

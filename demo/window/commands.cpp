@@ -29,8 +29,12 @@ Commands commands_of(const Input& input, double speed_m_per_s) {
     }
     out.stamp = input.left_pressed;
     out.drag = input.left_down && !input.left_pressed;
+    const bool control = input.held.contains(Key::Control);
     for (const Key key : input.pressed) {
         out.help |= key == Key::F1;
+        out.undo |= control && key == Key::Z;
+        out.redo |= control && key == Key::Y;
+        out.save |= key == Key::F5;
         out.overlay |= key == Key::F2;
         out.teleport |= key == Key::T;
         out.walk |= key == Key::G;
@@ -85,6 +89,8 @@ std::string help_text() {
            "corner)\n"
            "F2 residency map: yellow loading, orange uploading, green resident, framed drawn, red dot dirty, violet "
            "saving\n"
+           "Ctrl+Z takes the last stroke back, Ctrl+Y does it again; a drag is one stroke, and so is a walk\n"
+           "F5 saves (with --store DIR every stroke is kept in any case)\n"
            "F12 screenshot, F1 this help, Esc leaves\n";
 }
 

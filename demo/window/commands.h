@@ -18,7 +18,8 @@ enum class Key {
     D,
     Q,
     E,
-    Shift,  // held
+    Shift,
+    Control,  // held
     Digit1,
     Digit2,
     Digit3,
@@ -34,8 +35,11 @@ enum class Key {
     R,
     T,
     G,
+    Y,
+    Z,
     F1,
     F2,
+    F5,
     F12,
     Escape,  // pressed
 };
@@ -68,6 +72,8 @@ struct Commands {
     bool teleport = false;  ///< to the cursor
     bool walk = false;      ///< walking on, or flying again
     bool overlay = false;   ///< the residency map, on or off
+    bool undo = false, redo = false;
+    bool save = false;  ///< in the background
     bool help = false, screenshot = false, quit = false;
 };
 

@@ -47,6 +47,16 @@ Input scripted_input(long frame) {
         case 14:
             input.pressed = {Key::G};
             break;
+        case 15:
+        case 16:
+            input.held = {Key::Control}, input.pressed = {Key::Z};
+            break;
+        case 17:
+            input.held = {Key::Control}, input.pressed = {Key::Y};
+            break;
+        case 18:
+            input.pressed = {Key::F5};
+            break;
         default:
             break;
     }

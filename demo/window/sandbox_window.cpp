@@ -36,6 +36,8 @@ constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
                                          {GLFW_KEY_Q, Key::Q},
                                          {GLFW_KEY_E, Key::E},
                                          {GLFW_KEY_LEFT_SHIFT, Key::Shift},
+                                         {GLFW_KEY_LEFT_CONTROL, Key::Control},
+                                         {GLFW_KEY_RIGHT_CONTROL, Key::Control},
                                          {GLFW_KEY_1, Key::Digit1},
                                          {GLFW_KEY_2, Key::Digit2},
                                          {GLFW_KEY_3, Key::Digit3},
@@ -51,8 +53,11 @@ constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
                                          {GLFW_KEY_R, Key::R},
                                          {GLFW_KEY_T, Key::T},
                                          {GLFW_KEY_G, Key::G},
+                                         {GLFW_KEY_Y, Key::Y},
+                                         {GLFW_KEY_Z, Key::Z},
                                          {GLFW_KEY_F1, Key::F1},
                                          {GLFW_KEY_F2, Key::F2},
+                                         {GLFW_KEY_F5, Key::F5},
                                          {GLFW_KEY_F12, Key::F12},
                                          {GLFW_KEY_ESCAPE, Key::Escape}};
 
@@ -155,6 +160,8 @@ private:
         aim();
         if (commands.teleport) teleport();
         stamp(commands);
+        turn_back(commands);
+        if (commands.save) terrain_.begin_save();
         const WorldPos viewer = place();
         terrain_.set_viewers({&viewer, 1});
         if (const auto updated = terrain_.update(input.dt_s); !updated) return updated.error();
@@ -204,6 +211,22 @@ private:
         boot_ = *boot;
         walks_ = !walks_;
         steps_.stop();
+        begin_or_end_stroke(walks_ || draws_);
+    }
+
+    /// Undone together: what a drag lays, and what a walk leaves between drags.
+    void begin_or_end_stroke(bool begin) {
+        if (begin)
+            terrain_.begin_stroke();
+        else
+            terrain_.end_stroke();
+    }
+
+    void turn_back(const Commands& commands) {
+        if (commands.undo)
+            if (const auto undone = terrain_.undo(); !undone) std::cerr << undone.error().message << std::endl;
+        if (commands.redo)
+            if (const auto redone = terrain_.redo(); !redone) std::cerr << redone.error().message << std::endl;
     }
 
     void move(const Commands& commands) {
@@ -248,8 +271,11 @@ private:
     }
 
     void stamp(const Commands& commands) {
-        if (!commands.stamp && !commands.drag) path_.release();
-        if (!aim_ || (!commands.stamp && !commands.drag)) return;
+        const bool draws = commands.stamp || commands.drag;
+        if (commands.stamp || draws != draws_) begin_or_end_stroke(draws || walks_);
+        draws_ = draws;
+        if (!draws) path_.release();
+        if (!aim_ || !draws) return;
         const auto due = commands.stamp ? path_.press(*aim_) : path_.drag(*aim_, brush_.radius_m / 2);
         if (commands.stamp) stroke_height_m_ = aim_height_m_;
         for (const WorldPos& at : due) {
@@ -314,7 +340,7 @@ private:
             terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(), rule_name(brush_.rule),
             brush_.digs ? "down" : "up", brush_.radius_m,
             shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
-                          "sign, R rule, G walk, T teleport, F2 map, F12 picture, Esc"
+                          "sign, R rule, G walk, T teleport, Ctrl+Z undo, F2 map, F12 picture, Esc"
                         : "F1 help");
         glfwSetWindowTitle(window_, line);
     }
@@ -335,6 +361,7 @@ private:
     BootSize boots_;
     ShapeId boot_;
     bool walks_ = false, shows_map_ = false;
+    bool draws_ = false;  ///< the button was down in the frame before
     double pixel_x_ = 0, pixel_y_ = 0, smooth_dt_s_ = 0;
     int width_ = 0, height_ = 0, screenshots_ = 0;
     bool shows_help_ = false;

@@ -108,11 +108,11 @@ void DetailStage::begin(gl::FrameStats& stats) {
         budget_.spend(stats.transfer.bytes_down - down, clock_ms() - now_ms);
 }
 
-Result<void> DetailStage::stamp(std::span<const StampRecord> records, gl::FrameStats& stats) {
+Result<void> DetailStage::apply(std::span<const GroundEdit> edits, gl::FrameStats& stats) {
     textures_->set_stats(&stats);
     // What the textures do counts its own time, slopes apart; the rest is the CPU executor's.
     const double counted_ms = stats.deform.cpu_ms + stats.derive.cpu_ms, start_ms = clock_ms();
-    Result<void> applied = cache_->stamp(records, stats.deform);
+    Result<void> applied = cache_->apply(edits, stats.deform);
     stats.deform.cpu_ms += clock_ms() - start_ms - (stats.deform.cpu_ms + stats.derive.cpu_ms - counted_ms);
     return applied;
 }
@@ -175,6 +175,16 @@ Result<void> DetailStage::require(std::span<const TileIndex> tiles, gl::FrameSta
 Result<std::uint64_t> DetailStage::hash(gl::FrameStats& stats) {
     textures_->set_stats(&stats);
     return cache_->hash(stats.cache, stats.deform);
+}
+
+std::optional<std::vector<TileSnapshot>> DetailStage::snapshot(gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    return cache_->snapshot(stats.deform);
+}
+
+void DetailStage::prepare_snapshot(gl::FrameStats& stats) {
+    textures_->set_stats(&stats);
+    cache_->prepare_snapshot();
 }
 
 std::vector<DetailStage::Ahead> DetailStage::tiles_along(const Vec3d& from, const Vec3d& direction,

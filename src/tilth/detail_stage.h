@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,7 @@
 
 namespace tilth {
 
-/// Detail tiles of a terrain that draws. A frame is `begin`, `stamp`, `transfer`, then `view_from` for each draw.
+/// Detail tiles of a terrain that draws. A frame is `begin`, `apply`, `transfer`, then `view_from` for each draw.
 /// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard`, except while `uses_gl` is
 /// false and nothing is stamped.
 class DetailStage {
@@ -35,7 +36,7 @@ public:
     /// False on untouched ground, where a frame has nothing to do.
     [[nodiscard]] bool uses_gl() const { return !cache_->is_untouched(); }
     void begin(gl::FrameStats& stats);
-    Result<void> stamp(std::span<const StampRecord> records, gl::FrameStats& stats);
+    Result<void> apply(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     void transfer(gl::FrameStats& stats);
     [[nodiscard]] DetailView view_from(WorldPos eye) const;
 
@@ -47,6 +48,9 @@ public:
     [[nodiscard]] bool is_in_field(WorldPos at) const;
     Result<void> require(std::span<const TileIndex> tiles, gl::FrameStats& stats);
     Result<std::uint64_t> hash(gl::FrameStats& stats);
+    /// See `TileCache::snapshot`.
+    std::optional<std::vector<TileSnapshot>> snapshot(gl::FrameStats& stats);
+    void prepare_snapshot(gl::FrameStats& stats);
 
     /// Tiles that a ray's shadow crosses and whose codes are not in the field, and where it enters them, metres along
     /// the normalised direction; nearest first.

@@ -211,12 +211,41 @@ void GpuTiles::note_codes(Tile& filled, const TexelRect& part, const DetailField
 
 // ---- stamps ----
 
-bool GpuTiles::may_saturate(TileIndex index, const PreparedStamp& stamp) const {
+namespace {
+
+bool may_saturate_in(const TexelRect& interior, const CodeBounds& bounds, const PreparedStamp& stamp) {
     // Of the interior alone: texels of the apron are counted by their own tiles, and their bounds never narrow.
-    const TexelRect rect = intersection(stamp.rect(), settings_.pool.grid.interior(index));
-    const CodeBounds::Range old = tile(index).bounds.query(rect);
-    if (old.min > old.max) return false;
-    return range_after(stamp, old.min, old.max).may_saturate;
+    const CodeBounds::Range old = bounds.query(intersection(stamp.rect(), interior));
+    return old.min <= old.max && range_after(stamp, old.min, old.max).may_saturate;
+}
+
+/// `rect`: of the stamp, not empty.
+void widen_by(const PreparedStamp& stamp, const TexelRect& rect, CodeBounds& bounds) {
+    // Smooth reads one texel further, whose codes may then spread into the rectangle.
+    const CodeBounds::Range old = bounds.query(expanded(rect, 1));
+    const StampRange range = range_after(stamp, old.min, old.max);
+    bounds.widen(rect, {range.min, range.max});
+}
+
+}  // namespace
+
+bool GpuTiles::may_saturate(TileIndex index, const PreparedStamp& stamp) const {
+    return may_saturate_in(settings_.pool.grid.interior(index), tile(index).bounds, stamp);
+}
+
+std::size_t GpuTiles::first_that_may_saturate(std::span<const PreparedStamp> stamps,
+                                              std::span<const TileIndex> tiles) const {
+    std::size_t first = stamps.size();
+    for (const TileIndex index : tiles) {
+        const TexelRect interior = settings_.pool.grid.interior(index);
+        CodeBounds bounds = tile(index).bounds;
+        for (std::size_t i = 0; i < first; ++i) {
+            if (may_saturate_in(interior, bounds, stamps[i])) first = i;
+            const TexelRect rect = intersection(stamps[i].rect(), interior);
+            if (!rect.empty()) widen_by(stamps[i], rect, bounds);
+        }
+    }
+    return first;
 }
 
 Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<const TileIndex> tiles,
@@ -234,11 +263,8 @@ Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<co
             Tile& stamped = tile(index);
             const TexelRect rect = intersection(stamp.rect(), stamped.set->planes.held());
             if (rect.empty()) continue;
-            // Smooth reads one texel further, whose codes may then spread into the rectangle.
-            const CodeBounds::Range old = stamped.bounds.query(expanded(rect, 1));
-            const StampRange range = range_after(stamp, old.min, old.max);
             list.back().may_saturate = list.back().may_saturate || may_saturate(index, stamp);
-            stamped.bounds.widen(rect, {range.min, range.max});
+            widen_by(stamp, rect, stamped.bounds);
             if (stamped.reading) stamped.reading->stamped_since = bounds_of(stamped.reading->stamped_since, rect);
         }
     }

@@ -61,6 +61,8 @@ public:
     bool fill(TileIndex tile, const TexelRect& rect, const DetailField& field, bool paging) override;
     Result<void> stamp(std::span<const PreparedStamp> stamps, std::span<const TileIndex> tiles,
                        std::size_t& applied) override;
+    [[nodiscard]] std::size_t first_that_may_saturate(std::span<const PreparedStamp> stamps,
+                                                      std::span<const TileIndex> tiles) const override;
     void exchange(TileIndex from, TileIndex to, const TexelRect& rect) override;
     bool begin_read_back(TileIndex tile, std::span<const TexelRect> rects) override;
     /// Slices that found no slot in `begin_read_back` are begun here: their codes are those of that moment.

@@ -5,9 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "tilth/coarse_stage.h"
 #include "tilth/core/log.h"
-#include "tilth/deform/deformer.h"
-#include "tilth/derive/slope_pass.h"
 #include "tilth/detail_stage.h"
 #include "tilth/executor_choice.h"
 #include "tilth/gl/api.h"
@@ -16,11 +15,13 @@
 #include "tilth/gl/shader_library.h"
 #include "tilth/gl/stage_clock.h"
 #include "tilth/gl/state_guard.h"
+#include "tilth/ground/apply_edit.h"
+#include "tilth/ground/before_image.h"
 #include "tilth/ground/raycast.h"
-#include "tilth/ground/stamp_range.h"
-#include "tilth/pool/height_planes.h"
-#include "tilth/render/height_bounds.h"
 #include "tilth/render/terrain_renderer.h"
+#include "tilth/store/editor.h"
+#include "tilth/store/world_folder.h"
+#include "tilth/world_stage.h"
 
 namespace tilth {
 namespace {
@@ -29,10 +30,7 @@ namespace {
 struct GpuStages {
     std::unique_ptr<gl::Device> device;
     std::unique_ptr<gl::ShaderLibrary> shaders;
-    std::optional<HeightPlanes> planes;
-    std::optional<Deformer> deformer;     ///< executor gpu only
-    std::optional<SlopePass> slope_pass;  ///< executor gpu only
-    std::optional<SlopeMap> slopes;
+    std::unique_ptr<CoarseStage> coarse;
     std::optional<TerrainRenderer> renderer;
     std::unique_ptr<DetailStage> detail;  ///< worlds with a detail map
 };
@@ -44,31 +42,36 @@ struct Terrain::Impl {
     TerrainSettings settings;
     ExecutorKind executor = ExecutorKind::Cpu;
     std::string executor_reason = "cpu: no GL context";
+    std::unique_ptr<Editor> editor;
     std::optional<GpuStages> gpu;
-    std::optional<HeightBounds> bounds;
-    std::vector<StampRecord> queue;
-    std::vector<TexelRect> newer_on_gpu;  ///< where the CPU's coarse codes are out of date
-    gl::FrameStats frame, before;         ///< the current frame; all frames before it
-
-    [[nodiscard]] SlopeSettings slope_settings() const {
-        const MapGeometry& map = ground->map(MapKind::Coarse);
-        return {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m};
-    }
+    std::unique_ptr<WorldStage> world;  ///< worlds on disk
+    gl::FrameStats frame, before;       ///< the current frame; all frames before it
 
     Result<void> create_gpu(gl::GetProc get_proc);
     Result<void> choose_executor();
     Result<void> create_stages();
 
-    Result<void> apply_queue(gl::FrameStats& stats);
-    Result<void> apply_detail(std::span<const StampRecord> records, gl::FrameStats& stats);
-    Result<void> apply_coarse(std::span<const StampRecord> records, gl::FrameStats& stats);
-    void apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats, std::vector<TexelRect>& changed);
-    Result<void> apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
-                              std::vector<TexelRect>& changed);
-    [[nodiscard]] bool may_saturate(const PreparedStamp& stamp) const;
-    void derive(std::span<const TexelRect> changed, gl::FrameStats& stats);
-    void read_back(gl::FrameStats& stats);
+    Result<void> open_world(RecoveredWorld& recovered);
+    Result<void> recover(RecoveredWorld& recovered);
 
+    Result<void> apply_queue(gl::FrameStats& stats);
+    Result<void> apply_detail(std::span<const GroundEdit> edits, gl::FrameStats& stats);
+    Result<void> apply_coarse(std::span<const GroundEdit> edits, gl::FrameStats& stats);
+    void apply_to_ground(MapKind map, std::span<const GroundEdit> edits, gl::FrameStats& stats);
+    void read_back(gl::FrameStats& stats);
+    Result<void> drain();
+
+    /// Holds the context's state while `action()` runs, where there is a context.
+    template <class Action>
+    auto guarded(const char* label, const Action& action) {
+        std::optional<gl::StateGuard> guard;
+        std::optional<gl::DebugGroup> group;
+        if (gpu) {
+            guard.emplace(*gpu->device);
+            group.emplace(*gpu->device, label);
+        }
+        return action();
+    }
     /// Calls `action(detail stage, statistics outside frames)` where there is one.
     template <class Action>
     auto with_detail(const Action& action) -> decltype(action(*gpu->detail)) {
@@ -115,24 +118,10 @@ Result<void> Terrain::Impl::create_stages() {
     gl::Device& device = *gpu->device;
     const HeightField& field = ground->coarse();
     const MapGeometry& map = ground->map(MapKind::Coarse);
-
-    Result<HeightPlanes> planes = HeightPlanes::create(device, field.width(), field.depth(), map.precision);
-    if (!planes) return planes.error();
-    gpu->planes = std::move(*planes);
-    Result<SlopeMap> slopes = SlopeMap::create(device, field.width(), field.depth(), settings.slopes);
-    if (!slopes) return slopes.error();
-    gpu->slopes = std::move(*slopes);
-
-    if (executor == ExecutorKind::Gpu) {
-        Result<Deformer> deformer = Deformer::create(device, *gpu->shaders);
-        if (!deformer) return deformer.error();
-        gpu->deformer = std::move(*deformer);
-        Result<SlopePass> pass =
-            SlopePass::create(device, *gpu->shaders, map.precision, settings.slopes, slope_settings());
-        if (!pass) return pass.error();
-        gpu->slope_pass = std::move(*pass);
-        ++before.derive.programs;
-    }
+    Result<std::unique_ptr<CoarseStage>> coarse =
+        CoarseStage::create(device, *gpu->shaders, *ground, settings, executor, before);
+    if (!coarse) return coarse.error();
+    gpu->coarse = std::move(*coarse);
 
     const MapInfo info{.grid = {.origin = map.grid.origin,
                                 .spacing_m = map.grid.spacing_m,
@@ -148,18 +137,41 @@ Result<void> Terrain::Impl::create_stages() {
     gpu->renderer = std::move(*renderer);
     before.render.programs += gpu->shaders->programs_linked() - linked_before;
 
-    bounds.emplace(field);
-    gpu->planes->upload(field, field.rect(), before.transfer);
-    const TexelRect whole = field.rect();
-    derive({&whole, 1}, before);
-
     if (settings.ground.detail) {
         Result<std::unique_ptr<DetailStage>> detail =
-            DetailStage::create(device, *gpu->shaders, *ground, settings, gpu->deformer ? &*gpu->deformer : nullptr);
+            DetailStage::create(device, *gpu->shaders, *ground, settings, gpu->coarse->deformer());
         if (!detail) return detail.error();
         gpu->detail = std::move(*detail);
     }
     return {};
+}
+
+/// Before there are any stages: the pages of the coarse map, and without GL those of the detail map.
+Result<void> Terrain::Impl::open_world(RecoveredWorld& recovered) {
+    std::shared_ptr<WorldFolder> folder;
+    if (!settings.world.folder.empty()) {
+        Result<std::shared_ptr<WorldFolder>> opened =
+            WorldFolder::open(settings.world.folder, *ground, settings.world.options, recovered);
+        if (!opened) return opened.error();
+        folder = std::move(*opened);
+        for (const Page& page : recovered.coarse) put_page(ground->mutable_coarse(), page.index, *page.codes);
+    }
+    editor = std::make_unique<Editor>(*ground, folder, settings.undo_bytes);
+    return {};
+}
+
+/// The rest: what waits for tiles, undo, and the edits that the pages do not hold.
+Result<void> Terrain::Impl::recover(RecoveredWorld& recovered) {
+    DetailStage* const detail = gpu ? gpu->detail.get() : nullptr;
+    world = std::make_unique<WorldStage>(*ground, *editor, settings.world, gpu ? gpu->coarse.get() : nullptr, detail);
+    if (const Result<void> queued = editor->recover(recovered); !queued) return queued.error();
+    if (detail != nullptr) {
+        detail->cache().restore_waiting(std::move(recovered.waiting), editor->history());
+    } else if (const Result<void> restored = world->restore_detail(recovered); !restored) {
+        return restored.error();
+    }
+    world->report(std::move(recovered.reports));
+    return apply_queue(before);
 }
 
 Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSource> source,
@@ -169,15 +181,29 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
     Result<std::unique_ptr<Ground>> ground = Ground::create(std::move(source), settings.ground);
     if (!ground) return ground.error();
     impl->ground = std::move(*ground);
+    if (settings.tiles.store && !settings.world.folder.empty())
+        return Error{ErrorCode::InvalidArgument,
+                     "tiles.store: a world's folder keeps its own tiles; leave one of the two out (a store for worlds is "
+                     "world.options.blobs)"};
+    if (settings.world.snapshot_edits == 0)
+        return Error{ErrorCode::InvalidArgument, "world.snapshot_edits: 0 is not at least 1"};
     if (get_proc == nullptr && settings.tiles.store)
         return Error{
             ErrorCode::Unsupported,
             "tiles.store: without a GL context all detail is kept in memory; pass a get-proc function, or no store"};
+    RecoveredWorld recovered;
+    if (const Result<void> opened = impl->open_world(recovered); !opened) return opened.error();
+    if (impl->editor->world() != nullptr && settings.ground.detail) impl->settings.tiles.store = impl->editor->world();
     if (get_proc != nullptr) {
         if (const Result<void> created = impl->create_gpu(get_proc); !created) return created.error();
     } else if (settings.executor == ExecutorKind::Gpu) {
         return Error{ErrorCode::Unsupported,
                      "executor: gpu needs a GL context; pass its get-proc function, or take cpu"};
+    }
+    if (impl->editor->world() != nullptr) {
+        const Result<void> recovering =
+            impl->guarded("tilth: open world", [&] { return impl->recover(recovered); });
+        if (!recovering) return recovering.error();
     }
     return std::unique_ptr<Terrain>(new Terrain(std::move(impl)));
 }
@@ -190,17 +216,14 @@ Terrain::~Terrain() = default;
 ShapeLibrary& Terrain::shapes() { return impl_->ground->shapes(); }
 const Ground& Terrain::ground() const { return *impl_->ground; }
 
-Result<StampRecord> Terrain::stamp(const StampRequest& request) {
-    Result<StampRecord> record = impl_->ground->issue(request);
-    if (record) impl_->queue.push_back(*record);
-    return record;
-}
-
-Result<void> Terrain::replay(const StampRecord& record) {
-    Result<void> accepted = impl_->ground->accept(record);
-    if (accepted) impl_->queue.push_back(record);
-    return accepted;
-}
+Result<StampRecord> Terrain::stamp(const StampRequest& request) { return impl_->editor->stamp(request); }
+Result<void> Terrain::replay(const StampRecord& record) { return impl_->editor->replay(record); }
+void Terrain::begin_stroke() { impl_->editor->begin_stroke(); }
+void Terrain::end_stroke() { impl_->editor->end_stroke(); }
+Result<void> Terrain::undo() { return impl_->editor->undo(); }
+Result<void> Terrain::redo() { return impl_->editor->redo(); }
+std::size_t Terrain::undoable() const { return impl_->editor->history().undoable(); }
+std::size_t Terrain::redoable() const { return impl_->editor->history().redoable(); }
 
 Result<void> Terrain::update(double /*dt_s*/) {
     Impl& impl = *impl_;
@@ -209,156 +232,101 @@ Result<void> Terrain::update(double /*dt_s*/) {
     DetailStage* const detail = impl.gpu ? impl.gpu->detail.get() : nullptr;
     std::optional<gl::StateGuard> guard;
     std::optional<gl::DebugGroup> group;
-    if (detail != nullptr && (detail->uses_gl() || !impl.queue.empty())) {
+    if (impl.gpu && ((detail != nullptr && detail->uses_gl()) || !impl.editor->is_empty())) {
         guard.emplace(*impl.gpu->device);
-        group.emplace(*impl.gpu->device, "tilth: detail tiles");
+        group.emplace(*impl.gpu->device, "tilth: update");
     }
     if (detail != nullptr) detail->begin(impl.frame);
     Result<void> applied = impl.apply_queue(impl.frame);
     if (detail != nullptr) detail->transfer(impl.frame);
+    if (impl.world) impl.world->update(impl.frame);
     return applied;
 }
 
 Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
-    if (gpu && gpu->deformer) gpu->deformer->collect(stats.deform);
-    std::vector<StampRecord> coarse, detail;
-    for (const StampRecord& record : std::exchange(queue, {}))
-        (record.map == MapKind::Coarse ? coarse : detail).push_back(record);
+    if (gpu) gpu->coarse->collect(stats.deform);
+    const std::vector<GroundEdit> edits = editor->take_queue();
+    if (world) world->note(edits);
+    std::vector<GroundEdit> coarse, detail;
+    for (const GroundEdit& edit : edits) {
+        const bool is_undo = edit.kind == GroundEdit::Kind::Undo;
+        if (is_undo || edit.record.map == MapKind::Coarse) coarse.push_back(edit);
+        if (is_undo || edit.record.map == MapKind::Detail) detail.push_back(edit);
+    }
     const Result<void> dented = apply_detail(detail, stats);
     const Result<void> applied = apply_coarse(coarse, stats);
+    editor->applied();
     return applied ? dented : applied;
 }
 
-Result<void> Terrain::Impl::apply_detail(std::span<const StampRecord> records, gl::FrameStats& stats) {
-    if (records.empty() && !(gpu && gpu->detail && gpu->detail->cache().has_waiting_stamps())) return {};
-    if (gpu && gpu->detail) {
-        const gl::DebugGroup group(*gpu->device, "tilth: update detail");
-        return gpu->detail->stamp(records, stats);
-    }
-    const gl::StageClock clock(stats.deform);
-    for (const StampRecord& record : records) {  // without GL all of the map is in memory
-        const ApplyResult result = ground->apply(record);
-        stats.deform.texels += result.texels;
-        stats.deform.saturated += result.saturated;
-    }
+Result<void> Terrain::Impl::apply_detail(std::span<const GroundEdit> edits, gl::FrameStats& stats) {
+    if (edits.empty() && !(gpu && gpu->detail && gpu->detail->cache().has_waiting_edits())) return {};
+    if (gpu && gpu->detail) return gpu->detail->apply(edits, stats);
+    apply_to_ground(MapKind::Detail, edits, stats);  // without GL all of the map is in memory
     return {};
 }
 
-Result<void> Terrain::Impl::apply_coarse(std::span<const StampRecord> coarse, gl::FrameStats& stats) {
-    if (coarse.empty()) return {};
-    if (!gpu) {
-        std::vector<TexelRect> changed;
-        apply_on_cpu(coarse, stats, changed);
-        return {};
-    }
-    const gl::StateGuard guard(*gpu->device);
-    const gl::DebugGroup group(*gpu->device, "tilth: update");
-    std::vector<TexelRect> changed;
-    Result<void> applied;
-    if (executor == ExecutorKind::Gpu) {
-        applied = apply_on_gpu(coarse, stats, changed);
-    } else {
-        apply_on_cpu(coarse, stats, changed);
-        for (const TexelRect& rect : changed) {
-            gpu->planes->upload(ground->coarse(), rect, stats.transfer);
-            bounds->widen(rect, ground->coarse());
-        }
-    }
-    derive(changed, stats);  // also of the part that was applied before an error
-    return applied;
+Result<void> Terrain::Impl::apply_coarse(std::span<const GroundEdit> edits, gl::FrameStats& stats) {
+    if (edits.empty()) return {};
+    if (gpu) return gpu->coarse->apply(edits, stats);
+    apply_to_ground(MapKind::Coarse, edits, stats);
+    return {};
 }
 
-void Terrain::Impl::apply_on_cpu(std::span<const StampRecord> records, gl::FrameStats& stats,
-                                 std::vector<TexelRect>& changed) {
+void Terrain::Impl::apply_to_ground(MapKind map, std::span<const GroundEdit> edits, gl::FrameStats& stats) {
     const gl::StageClock clock(stats.deform);
-    for (const StampRecord& record : records) {
-        const ApplyResult result = ground->apply(record);
+    for (const GroundEdit& edit : edits) {
+        const ApplyResult result = apply_edit(*ground, map, edit);
         stats.deform.texels += result.texels;
         stats.deform.saturated += result.saturated;
-        if (!result.rect.empty()) changed.push_back(result.rect);
     }
-    changed = disjoint(changed);
-}
-
-bool Terrain::Impl::may_saturate(const PreparedStamp& stamp) const {
-    const CodeRange old = bounds->query(expanded(stamp.rect(), 1));
-    return range_after(stamp, old.min, old.max).may_saturate;
-}
-
-Result<void> Terrain::Impl::apply_on_gpu(std::span<const StampRecord> records, gl::FrameStats& stats,
-                                         std::vector<TexelRect>& changed) {
-    const gl::StageClock clock(stats.deform);
-    const MapGeometry& map = ground->map(MapKind::Coarse);
-    std::vector<DeformStamp> stamps;
-    std::vector<const StampRecord*> placed;
-    for (const StampRecord& record : records) {
-        const DeformStamp stamp{.prepared = prepare(record, map, ground->shapes())};
-        if (stamp.prepared.rect().empty()) continue;
-        stamps.push_back(stamp);
-        placed.push_back(&record);
-    }
-    // Bounds of what only the GPU knows are wider than the truth. Before stamps are counted one by one, look.
-    if (!newer_on_gpu.empty() && std::any_of(stamps.begin(), stamps.end(),
-                                             [&](const DeformStamp& stamp) { return may_saturate(stamp.prepared); })) {
-        read_back(stats);
-        ++stats.deform.fallbacks;
-    }
-    for (DeformStamp& stamp : stamps) {
-        const TexelRect rect = stamp.prepared.rect();
-        // Smooth reads one post further, whose codes may then spread into the rectangle.
-        const CodeRange old = bounds->query(expanded(rect, 1));
-        const StampRange range = range_after(stamp.prepared, old.min, old.max);
-        stamp.may_saturate = range.may_saturate;
-        bounds->widen_by(rect, range.min, range.max);
-    }
-    std::size_t done = 0;
-    Result<void> applied = gpu->deformer->apply(stamps, *gpu->planes, stats.deform, done);
-    for (std::size_t i = 0; i < done; ++i) changed.push_back(stamps[i].prepared.rect());
-    changed = disjoint(changed);
-    newer_on_gpu.insert(newer_on_gpu.end(), changed.begin(), changed.end());
-    if (newer_on_gpu.size() > 256) newer_on_gpu = disjoint(newer_on_gpu);
-    if (applied) return applied;
-
-    Error error = applied.error();
-    if (error.code == ErrorCode::Unsupported) {  // no later frame can do it either
-        error.message = text("stamp ", placed[done]->sequence, " is dropped: ", error.message);
-        ++done;
-    }
-    std::vector<StampRecord> rest;
-    for (std::size_t i = done; i < placed.size(); ++i) rest.push_back(*placed[i]);
-    queue.insert(queue.begin(), rest.begin(), rest.end());
-    return error;
-}
-
-void Terrain::Impl::derive(std::span<const TexelRect> changed, gl::FrameStats& stats) {
-    const gl::StageClock clock(stats.derive);
-    if (gpu->slope_pass)
-        gpu->slope_pass->run(changed, *gpu->planes, *gpu->slopes, stats.derive, stats.mips);
-    else
-        upload_slopes(changed, ground->coarse(), slope_settings(), *gpu->slopes, stats.derive, stats.mips,
-                      stats.transfer);
 }
 
 void Terrain::Impl::read_back(gl::FrameStats& stats) {
-    if (!gpu || !gpu->deformer) return;
-    gpu->deformer->finish(stats.deform);
-    if (newer_on_gpu.empty()) return;
-    const gl::StateGuard guard(*gpu->device);
-    const gl::DebugGroup group(*gpu->device, "tilth: read back");
-    for (const TexelRect& rect : disjoint(newer_on_gpu)) {
-        gpu->planes->read_back(rect, ground->mutable_coarse(), stats.transfer);
-        bounds->widen(rect, ground->coarse());
-    }
-    newer_on_gpu.clear();
+    if (gpu && gpu->coarse->is_ahead()) guarded("tilth: read back", [&] { gpu->coarse->read_back(stats); });
+}
+
+Result<void> Terrain::Impl::drain() {
+    if (const Result<void> applied = apply_queue(before); !applied) return applied.error();
+    read_back(before);
+    return with_detail([&](DetailStage& detail) { return detail.settle(before); });
 }
 
 Result<void> Terrain::drain() {
+    return impl_->guarded("tilth: drain", [&] { return impl_->drain(); });
+}
+
+// ---- the world on disk ----
+
+Result<void> Terrain::flush() { return impl_->editor->world() ? impl_->editor->world()->flush() : Result<void>(); }
+
+Result<void> Terrain::save() {
     Impl& impl = *impl_;
-    std::optional<gl::StateGuard> guard;
-    if (impl.gpu) guard.emplace(*impl.gpu->device);
-    if (const Result<void> applied = impl.apply_queue(impl.before); !applied) return applied.error();
-    impl.read_back(impl.before);
-    return impl.with_detail([&](DetailStage& detail) { return detail.settle(impl.before); });
+    return impl.guarded("tilth: save", [&]() -> Result<void> {
+        if (const Result<void> drained = impl.drain(); !drained) return drained.error();
+        return impl.world ? impl.world->save(impl.before) : Result<void>();
+    });
+}
+
+void Terrain::begin_save() {
+    if (impl_->world) impl_->world->begin_save();
+}
+
+bool Terrain::is_saving() const { return impl_->world && impl_->world->is_saving(); }
+
+std::optional<WorldReport> Terrain::world() const {
+    const std::shared_ptr<WorldFolder>& folder = impl_->editor->world();
+    if (folder == nullptr) return std::nullopt;
+    const WorldFolder::Size size = folder->size();
+    return WorldReport{.edits = impl_->editor->edits(),
+                       .durable = folder->durable(),
+                       .committed = folder->committed(),
+                       .journal_bytes = size.journal_bytes,
+                       .page_bytes = size.page_bytes};
+}
+
+void Terrain::abandon_world() {
+    if (impl_->editor->world()) impl_->editor->world()->abandon();
 }
 
 // ---- drawing ----
@@ -379,8 +347,8 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
         gpu.detail->set_default_viewer(eye);
         detail = gpu.detail->view_from(eye);
     }
-    return gpu.renderer->draw(view, shading, cursor, *gpu.planes, *gpu.slopes, *impl_->bounds, impl_->frame.render,
-                              &detail);
+    return gpu.renderer->draw(view, shading, cursor, gpu.coarse->planes(), gpu.coarse->slopes(), gpu.coarse->bounds(),
+                              impl_->frame.render, &detail);
 }
 
 Result<void> Terrain::reload_shaders() {
@@ -388,10 +356,7 @@ Result<void> Terrain::reload_shaders() {
     GpuStages& gpu = *impl_->gpu;
     const gl::StateGuard guard(*gpu.device);
     Result<void> result = gpu.renderer->reload(*gpu.shaders);
-    if (gpu.slope_pass)
-        if (Result<void> reloaded = gpu.slope_pass->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
-    if (gpu.deformer)
-        if (Result<void> reloaded = gpu.deformer->reload(); !reloaded) result = std::move(reloaded);
+    if (Result<void> reloaded = gpu.coarse->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
     if (gpu.detail)
         if (Result<void> reloaded = gpu.detail->reload(*gpu.shaders); !reloaded) result = std::move(reloaded);
     return result;
@@ -472,7 +437,11 @@ std::vector<TileArrival> Terrain::take_arrivals() {
 }
 
 std::vector<Error> Terrain::take_errors() {
-    return impl_->gpu && impl_->gpu->detail ? impl_->gpu->detail->cache().take_errors() : std::vector<Error>();
+    std::vector<Error> errors;
+    if (impl_->world) errors = impl_->world->take_errors();
+    if (impl_->gpu && impl_->gpu->detail)
+        for (Error& error : impl_->gpu->detail->cache().take_errors()) errors.push_back(std::move(error));
+    return errors;
 }
 
 std::uint64_t Terrain::tile_gpu_bytes() const {
@@ -505,7 +474,8 @@ gl::FrameStats Terrain::total() const {
 std::uint64_t Terrain::gpu_bytes() const { return impl_->gpu ? impl_->gpu->device->resident_bytes() : 0; }
 std::uint64_t Terrain::cpu_bytes() const {
     const bool pages = impl_->gpu && impl_->gpu->detail;  // the ground counts its pages, the cache what waits for them
-    return impl_->ground->bytes() + (pages ? impl_->gpu->detail->waiting_bytes() : 0);
+    return impl_->ground->bytes() + impl_->editor->history().bytes() +
+           (pages ? impl_->gpu->detail->waiting_bytes() : 0);
 }
 
 std::vector<std::string> Terrain::take_debug_messages() {

@@ -19,6 +19,7 @@
 #include "tilth/pool/slope_map.h"
 #include "tilth/render/view.h"
 #include "tilth/store/tile_store.h"
+#include "tilth/store/world_folder.h"
 #include "tilth/world/tile_grid.h"
 
 namespace tilth {
@@ -38,15 +39,30 @@ struct TileSettings {
     /// Most bytes of tile textures; 0: nine tiles a viewer. Less than four tiles is refused. Tiles that find no room
     /// are not drawn; nearer ones displace farther ones.
     std::uint64_t most_gpu_bytes = 0;
-    /// Where tiles lie that are not in memory. Empty: a `MemoryStore` of the terrain's own. A tile is given to it when
-    /// the viewers leave; what is still in memory when the terrain is destroyed is not (the destructor waits for saves
-    /// that were begun). Without a GL context all detail stays in memory, and a store is refused.
+    /// Where tiles lie that are not in memory. Empty: the world's folder, and without one a `MemoryStore` of the
+    /// terrain's own. A tile is given to it when the viewers leave; what is still in memory when the terrain is
+    /// destroyed is not (the destructor waits for saves that were begun). Refused together with a world's folder, and
+    /// without a GL context: all detail stays in memory then.
     std::shared_ptr<TileStore> store;
+};
+
+/// A world on disk: what was dented stays, over a crash too.
+struct WorldSettings {
+    /// Opened, or made where its parent exists; locked against a second opening. Empty: all is lost with the object.
+    std::string folder;
+    /// When a stamp becomes durable, what old journal is kept, bounds of disk space.
+    WorldOptions options;
+    /// A snapshot is taken in the background when the journal has so many edits that the pages lack: more means fewer
+    /// writes and a longer opening (about a microsecond an edit, and its stamp when its tile is loaded). At least 1.
+    std::uint64_t snapshot_edits = 1u << 14;
 };
 
 struct TerrainSettings {
     GroundSettings ground;
     TileSettings tiles;
+    WorldSettings world;
+    /// Memory for undo, see `UndoHistory`; 0: no undo, and no cost.
+    std::uint64_t undo_bytes = 0;
     ExecutorKind executor = ExecutorKind::Automatic;
     SlopeFormat slopes = SlopeFormat::rg8;
     SlopeStencil stencil = SlopeStencil::Central;
@@ -73,6 +89,14 @@ struct TileArrival {
     TileIndex tile;
     double lead_m = 0;      ///< 0: it was late, or its viewer was put down beside it
     double loading_ms = 0;  ///< since it was wanted
+};
+
+/// The world on disk, as `Terrain::world` reports it.
+struct WorldReport {
+    std::uint64_t edits = 0;      ///< stamps, undos and redos that the world ever saw
+    std::uint64_t durable = 0;    ///< of them, those that a crash cannot take back
+    std::uint64_t committed = 0;  ///< of them, those that the pages hold: the rest is replayed when it is opened
+    std::uint64_t journal_bytes = 0, page_bytes = 0;
 };
 
 /// Ground that can be dented for good, drawn by a geometry clipmap.
@@ -103,9 +127,35 @@ public:
     /// Checks and queues one stamp; returns its record. Fails with the field's name and changes nothing.
     Result<StampRecord> stamp(const StampRequest& request);
 
-    /// Queues a record made earlier or elsewhere (undo by `negated`, replay). It keeps its own sequence number.
+    /// Queues a record made earlier or elsewhere. It keeps its own sequence number.
     /// Fails with the field's name where it does not fit this world (`Ground::accept`); nothing is queued then.
     Result<void> replay(const StampRecord& record);
+
+    /// Stamps between the two are undone together; any other is a stroke of its own.
+    void begin_stroke();
+    void end_stroke();
+    /// Queues the undoing of the last stroke; bit for bit, whatever it did and wherever its tiles are. Fails where none
+    /// can be undone: none was made, or `undo_bytes` did not reach that far. In a world on disk undo reaches back over
+    /// its closing, too.
+    Result<void> undo();
+    /// Queues what the last undo took back.
+    Result<void> redo();
+    [[nodiscard]] std::size_t undoable() const;
+    [[nodiscard]] std::size_t redoable() const;
+
+    /// Waits until every stamp so far is durable (see `FlushPolicy`). Without a world on disk there is nothing to do.
+    Result<void> flush();
+    /// Waits until the pages on disk are those of the ground now, so that opening the world replays nothing. Fails like
+    /// `drain`, and when the disk refuses: nothing is lost then, the journal has it.
+    Result<void> save();
+    /// The same in the background, of the state after the next `update`. Errors come by `take_errors`; it is tried again.
+    void begin_save();
+    [[nodiscard]] bool is_saving() const;
+    /// Empty without a world on disk.
+    [[nodiscard]] std::optional<WorldReport> world() const;
+    /// Closes the world as a crash would: what is not durable now never will be. Nothing may be stamped afterwards. To
+    /// rehearse crashes.
+    void abandon_world();
 
     /// Whose surroundings are kept resident: places on the ground, for all frames until the next call. None: nothing is
     /// resident. Before the first call the eye of the last `draw` (at first the map's middle) is the only viewer.
@@ -117,8 +167,9 @@ public:
     [[nodiscard]] TileGrid tile_grid() const;
     /// Tiles that became resident since the last call.
     [[nodiscard]] std::vector<TileArrival> take_arrivals();
-    /// What the store could not do since the last call; each tile's trouble is reported once, until it went well again.
+    /// What the store could not do since the last call; each trouble is reported once, until it went well again.
     /// Nothing is lost: loads and saves are tried again, with growing pauses, and edits stay in memory until then.
+    /// After `create`: what opening the world found damaged, each with its file and offset, and what became of it.
     [[nodiscard]] std::vector<Error> take_errors();
     /// Bytes of the textures of tiles that exist now, planes and slopes; 0 on untouched ground.
     [[nodiscard]] std::uint64_t tile_gpu_bytes() const;
@@ -128,10 +179,9 @@ public:
     /// Saturated texels on the GPU are counted by queries that arrive some frames later, in that frame's statistics.
     /// Where only a read-back can tell whether a stamp saturates (the bounds of ground that was stamped again and again
     /// widen), one is done, waits, and counts as a fallback.
-    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made. Nothing needs to be stamped again: coarse
-    /// stamps that are not applied stay queued, detail stamps are applied by the CPU executor and count as fallbacks.
-    /// Fails with Unsupported when a stamp's image exceeds what the GPU can hold; that stamp alone is dropped, and
-    /// named.
+    /// Fails with ShaderCompile or OutOfMemory when a pass cannot be made, and with Unsupported when a stamp's image
+    /// exceeds what the GPU can hold. Nothing is lost: those stamps are applied by the CPU executor and count as
+    /// fallbacks.
     Result<void> update(double dt_s);
 
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound

@@ -28,7 +28,7 @@ TEST(CommandLine, BadArgumentsAreRefusedWithFlagAndAllowedValues) {
         {"--executor tpu", "--executor", "gpu|cpu|automatic"},
         {"--context wgl", "--context", "egl|osmesa|glfw"},
         {"--precision bits8", "--precision", "bits32|bits16"},
-        {"--store world", "--store", "does not have"},
+        {"--store ''", "--store", "folder"},
         {"--stamps /no/such/folder", "--stamps", "Directory"},
         {"--shaders /no/such/folder", "--shaders", "Directory"},
         {"--frames many", "--frames", "many"},

@@ -86,8 +86,7 @@ TEST(ReadScenario, AllProblemsAreReportedInTheFilesOrder) {
 }
 
 TEST(ReadScenario, LaterStepsAreKnownButRefused) {
-    for (const char* step :
-         {"wave = {}", "shock = {}", "save = true", "reopen = true", "crash = true", "undo = 1", "redo = 1"}) {
+    for (const char* step : {"wave = {}", "shock = {}"}) {
         Problems problems;
         EXPECT_FALSE(parsed("[[step]]\n" + std::string(step), problems));
         const std::string report = problems.report("F");
@@ -124,7 +123,11 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->view.diffuse, 1.25);
     EXPECT_EQ(scenario->view.width, 320);
     EXPECT_EQ(scenario->view.fov_degrees, 45);
-    ASSERT_EQ(scenario->steps.size(), 17u);
+    const WorldSettings& world = scenario->terrain.settings.world;
+    EXPECT_EQ(world.folder, TILTH_SOURCE_DIR "/tests/demo/world") << "beside the scenario";
+    EXPECT_EQ(world.options.flush.when, FlushPolicy::When::Every);
+    EXPECT_EQ(world.options.flush.interval_ms, 2.5);
+    ASSERT_EQ(scenario->steps.size(), 22u);
     EXPECT_EQ(std::get<CameraStep>(scenario->steps[1].action).above_ground_m, 2.0);
     const auto& stamp = std::get<StampStep>(scenario->steps[2].action);
     EXPECT_EQ(stamp.request.centre, (WorldPos{1e7 + 20, -1e7 + 20}));
@@ -145,6 +148,11 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->steps[14].number, 15);
     EXPECT_EQ(std::get<ViewersStep>(scenario->steps[15].action).at, (std::vector<WorldPos>{{10, 20}, {30.5, -40}}));
     EXPECT_TRUE(std::get<ViewersStep>(scenario->steps[16].action).at.empty());
+    EXPECT_TRUE(std::holds_alternative<SaveStep>(scenario->steps[17].action));
+    EXPECT_TRUE(std::holds_alternative<ReopenStep>(scenario->steps[18].action));
+    EXPECT_TRUE(std::holds_alternative<CrashStep>(scenario->steps[19].action));
+    EXPECT_EQ(std::get<UndoStep>(scenario->steps[20].action).strokes, 3);
+    EXPECT_EQ(std::get<RedoStep>(scenario->steps[21].action).strokes, 1);
 }
 
 TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
@@ -172,6 +180,26 @@ TEST(ReadScenario, TilesAreTheLibrarysUnlessGiven) {
     EXPECT_EQ(least->terrain.settings.tiles.budget.most_bytes, TileSettings().budget.most_bytes);
     EXPECT_EQ(tiles.most_gpu_bytes, 0u);
     EXPECT_FALSE(std::get<ScreenshotStep>(plain->steps[0].action).overlay);
+}
+
+TEST(ReadScenario, AWorldIsInMemoryAndFlushesEachEditUnlessGiven) {
+    const auto world_of = [](const std::string& terrain) {
+        Problems problems;
+        const auto scenario = parsed("", problems, "heights = \"flat:size=65,height=0\"\n" + terrain);
+        EXPECT_TRUE(scenario) << problems.report("F");
+        return scenario ? scenario->terrain.settings.world : WorldSettings{};
+    };
+    EXPECT_EQ(world_of("").folder, "");
+    EXPECT_EQ(world_of("").options.flush.when, FlushPolicy::When::Each);
+    EXPECT_EQ(world_of("flush = \"each\"").options.flush.when, FlushPolicy::When::Each);
+    EXPECT_EQ(world_of("flush = \"manual\"").options.flush.when, FlushPolicy::When::Manual);
+    for (const auto& [text, ms] : {std::pair{"5ms", 5.0}, {"0.1ms", 0.1}, {"60000ms", 60000.0}}) {
+        const FlushPolicy flush = world_of("flush = \"" + std::string(text) + "\"").options.flush;
+        EXPECT_EQ(flush.when, FlushPolicy::When::Every) << text;
+        EXPECT_EQ(flush.interval_ms, ms) << text;
+    }
+    EXPECT_EQ(world_of("store = \"/some/where///\"").folder, "/some/where") << "an absolute path stays one";
+    EXPECT_EQ(world_of("store = \"/\"").folder, "/");
 }
 
 TEST(ReadScenario, AnAutoStampGoesToTheCoarseMapFromEightPostsOn) {

@@ -31,6 +31,8 @@ RunReport some_report() {
     report.last_frame.transfer.bytes_up = 34;
     report.total.cache = {1, 2, 3, 4, 5, 6, 7, 8, 9.5};
     report.last_frame.cache.missing_active = 11;
+    report.total.store = {15, 16, 17, 18.5};
+    report.last_frame.store.failures = 19;
     report.walk.missing_frames = 12;
     report.tiles = 13, report.tile_bytes = 14;
     report.queries = Json::parse("[[9.5, 9.75], []]");
@@ -64,11 +66,27 @@ TEST(RunReport, HasEveryKeyOfTheForm) {
     for (const std::string part : {"total.", "last_frame."}) {
         for (const char* key : {"passes", "draws", "texels", "bytes", "programs", "saturated"})
             paths.push_back(part + "deform." + key);
-        for (const char* key :
-             {"derive", "render.primitives", "cache.loads", "cache.evictions", "cache.rescues", "cache.saves",
-              "cache.cancelled", "cache.failures", "cache.late_stamps", "cache.missing_active", "cache.transfer_ms",
-              "transfer.bytes_up", "transfer.bytes_down", "effects.wave.passes", "effects.wave.texels",
-              "effects.wave.bytes", "effects.wave.programs"})
+        for (const char* key : {"derive",
+                                "render.primitives",
+                                "cache.loads",
+                                "cache.evictions",
+                                "cache.rescues",
+                                "cache.saves",
+                                "cache.cancelled",
+                                "cache.failures",
+                                "cache.late_stamps",
+                                "cache.missing_active",
+                                "cache.transfer_ms",
+                                "transfer.bytes_up",
+                                "transfer.bytes_down",
+                                "store.snapshots",
+                                "store.compactions",
+                                "store.failures",
+                                "store.snapshot_ms",
+                                "effects.wave.passes",
+                                "effects.wave.texels",
+                                "effects.wave.bytes",
+                                "effects.wave.programs"})
             paths.push_back(part + key);
     }
     for (const std::string& path : paths) EXPECT_TRUE(value_at(json, path)) << path;
@@ -92,6 +110,22 @@ TEST(RunReport, CacheFieldsStandUnderTheirNames) {
     RunReport walked = some_report();
     walked.walk_frames = {{1, 1, 1}, {2, 3, 2}};
     EXPECT_EQ(to_json(walked)["cache"]["longest_frame_over_median"], 1.5) << "of walks, where there are any";
+}
+
+TEST(RunReport, TheWorldOnDiskStandsUnderItsNames) {
+    RunReport report = some_report();
+    EXPECT_FALSE(to_json(report).contains("world")) << "only where there is one";
+    report.world = WorldReport{.edits = 1, .durable = 2, .committed = 3, .journal_bytes = 4, .page_bytes = 5};
+    const Json json = to_json(report);
+    EXPECT_EQ(json["world"].dump(), "{\"edits\":1,\"durable\":2,\"committed\":3,\"journal_bytes\":4,\"page_bytes\":5}");
+    EXPECT_EQ(json["total"]["store"].dump(),
+              "{\"snapshots\":15,\"compactions\":16,\"failures\":17,\"snapshot_ms\":18.5}");
+    EXPECT_EQ(json["last_frame"]["store"]["failures"], 19);
+    for (const char* path : {"world.edits", "world.page_bytes", "total.store.snapshots", "last_frame.store.failures"})
+        EXPECT_TRUE(has_stat(path)) << path;
+    EXPECT_FALSE(has_stat("world")) << "is no number";
+    const ExpectStat expected{.path = "world.edits", .equals = 0, .at_most = {}, .at_least = {}, .equals_text = {}};
+    EXPECT_TRUE(unmet(expected, to_json(some_report()))) << "no world has no edits to count";
 }
 
 TEST(RunReport, WhatWasNotMeasuredIsNull) {

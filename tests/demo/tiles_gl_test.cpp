@@ -15,6 +15,7 @@
 #include "demo/scenario/read_scenario.h"
 #include "demo/world/open_world.h"
 #include "demo/world/stamp_folder.h"
+#include "demo/world/world_session.h"
 #include "tilth/io/png.h"
 
 namespace tilth::test {
@@ -225,12 +226,13 @@ TEST_F(Play, ATileThatCannotBeReadFailsOneStepAndStopsNoFrame) {
                              "broken.toml", {demo::shape_names(TILTH_SOURCE_DIR "/stamps"), demo::has_stat}, problems);
     ASSERT_TRUE(scenario) << problems.report("F");
     scenario->terrain.settings.tiles.store = std::make_shared<BrokenStore>();
-    auto world = demo::open_world(scenario->terrain, demo::load_heights(scenario->terrain, problems),
-                                  TILTH_SOURCE_DIR "/stamps", route->get_proc(), problems);
+    std::ostringstream errors;
+    auto world = demo::WorldSession::open({scenario->terrain, demo::load_heights(scenario->terrain, problems),
+                                           TILTH_SOURCE_DIR "/stamps", route->get_proc()},
+                                          problems, errors);
     ASSERT_TRUE(world) << problems.report("F");
     auto screen = demo::Screen::create(route->get_proc(), scenario->view);
     ASSERT_TRUE(screen) << screen.error().message;
-    std::ostringstream errors;
     demo::Player player(*world, *scenario, &*screen, {folder_, "egl", 0, 20}, errors);
     EXPECT_FALSE(player.play());
     const demo::RunReport report = player.report(false);

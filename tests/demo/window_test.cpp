@@ -86,16 +86,30 @@ TEST(Commands, KeysOfTheTiles) {
     for (const char* key : {"G ", "T ", "F2 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
 }
 
+TEST(Commands, KeysOfUndoAndSaving) {
+    EXPECT_FALSE(commands_of({.pressed = {Key::Z, Key::Y}}, 1).undo) << "only with Control";
+    EXPECT_FALSE(commands_of({.pressed = {Key::Z, Key::Y}}, 1).redo);
+    const Commands undo = commands_of({.held = {Key::Control}, .pressed = {Key::Z}}, 1),
+                   redo = commands_of({.held = {Key::Control}, .pressed = {Key::Y}}, 1);
+    EXPECT_TRUE(undo.undo && !undo.redo && !undo.save);
+    EXPECT_TRUE(redo.redo && !redo.undo && !redo.save);
+    EXPECT_FALSE(commands_of({.held = {Key::Control, Key::Z}}, 1).undo) << "a key that is held down undoes once";
+    EXPECT_TRUE(commands_of({.pressed = {Key::F5}}, 1).save);
+    for (const char* key : {"Ctrl+Z ", "Ctrl+Y ", "F5 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
+}
+
 TEST(Commands, TheScriptUsesEveryKindOfCommand) {
     bool moves = false, looks = false, stamps = false, drags = false, helps = false, shoots = false, quits = false;
-    bool maps = false, walks = false, teleports = false;
-    for (long frame = 0; frame < 15; ++frame) {
+    bool maps = false, walks = false, teleports = false, undoes = false, redoes = false, saves = false;
+    for (long frame = 0; frame < 19; ++frame) {
         const Commands c = commands_of(scripted_input(frame), 1);
         moves |= c.move.z != 0, looks |= c.yaw_rad != 0, stamps |= c.stamp, drags |= c.drag;
         helps |= c.help, shoots |= c.screenshot, quits |= c.quit;
         maps |= c.overlay, walks |= c.walk, teleports |= c.teleport;
+        undoes |= c.undo, redoes |= c.redo, saves |= c.save;
     }
     EXPECT_TRUE(moves && looks && stamps && drags && helps && shoots && maps && walks && teleports);
+    EXPECT_TRUE(undoes && redoes && saves);
     EXPECT_FALSE(quits) << "--frames ends it";
 }
 

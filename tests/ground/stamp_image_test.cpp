@@ -58,6 +58,71 @@ TEST(StampImage, BadSizesAndNamesAreRefused) {
     EXPECT_FALSE(shapes.find("bad"));
 }
 
+// A host that opens a world adds its shapes again; what it draws for another must not pass for the same.
+TEST(StampImage, TheSameShapeAddedAgainIsTheOneThatIsThere) {
+    ShapeLibrary shapes;
+    const auto cone = [](double t) { return 1 - t; };
+    const auto saddle = [](double x, double z) { return x * z; };
+    std::vector<std::uint16_t> texels = noise(5, 3);
+    const ShapeId profile = *shapes.add_profile("profile", cone, 2.0), image = *shapes.add_image("image", 5, 3, texels);
+    const ShapeId baked = *shapes.bake("baked", 8, saddle);
+    const std::uint32_t size = shapes.size();
+    EXPECT_EQ(*shapes.add_profile("profile", cone, 2.0), profile);
+    EXPECT_EQ(*shapes.add_image("image", 5, 3, texels), image);
+    EXPECT_EQ(*shapes.bake("baked", 8, saddle), baked);
+    EXPECT_EQ(*shapes.add_exact(shapes.shape({0})), ShapeId{0});
+
+    const auto refused = [&](const Result<ShapeId>& added) {
+        ASSERT_FALSE(added.ok());
+        EXPECT_EQ(added.error().message.rfind("name:", 0), 0u) << added.error().message;
+    };
+    refused(shapes.add_profile("profile", cone, 2.5));
+    refused(shapes.add_profile(
+        "profile", [](double t) { return t < 1 ? 1 - t : 1.0 / 65536; }, 2.0));
+    refused(shapes.add_profile("image", cone, 2.0));
+    refused(shapes.add_image("image", 3, 5, texels));
+    refused(shapes.add_image("baked", 5, 3, texels));
+    texels.back() ^= 1;
+    refused(shapes.add_image("image", 5, 3, texels));
+    EXPECT_EQ(shapes.size(), size);
+    EXPECT_NE(*shapes.add_image("image 2", 5, 3, texels), image);
+}
+
+TEST(StampImage, AShapeCanBeTakenOverExactly) {
+    ShapeLibrary from, to;
+    const ShapeId rim = *from.add_profile(
+        "rim", [](double t) { return (1 - t) * (2 * t - 0.5); }, 2.0003);
+    Shape shape = from.shape(rim);
+    const std::uint64_t hash = shape.hash;
+    shape.hash = 1, shape.lowest_weight = 5, shape.highest_weight = -5;  // computed, not believed
+    const Shape& taken = to.shape(*to.add_exact(shape));
+    EXPECT_EQ(taken.hash, hash);
+    EXPECT_EQ(taken.weights, shape.weights);
+    EXPECT_EQ(taken.lowest_weight, from.shape(rim).lowest_weight);
+    EXPECT_EQ(taken.highest_weight, from.shape(rim).highest_weight);
+    EXPECT_EQ(taken.least_radius_texels, 2.0003);
+
+    const auto refused = [&](const char* field, const auto& change) {
+        Shape bad = from.shape(rim);
+        bad.name = "bad";
+        change(bad);
+        const Result<ShapeId> added = to.add_exact(bad);
+        ASSERT_FALSE(added.ok()) << field;
+        EXPECT_EQ(added.error().message.rfind(field, 0), 0u) << added.error().message;
+    };
+    refused("name:", [](Shape& s) { s.name.clear(); });
+    refused("weights:", [](Shape& s) { s.weights.pop_back(); });
+    refused("weights:", [](Shape& s) { s.weights.clear(); });
+    refused("weights:", [](Shape& s) { s.weights[7] = 65537; });
+    refused("weights:", [](Shape& s) { s.weights[1024] = -65537; });
+    refused("weights:", [](Shape& s) { s.is_image = true, s.width = 5, s.height = 204; });
+    refused("size:", [](Shape& s) { s.width = 1; });
+    refused("size:", [](Shape& s) { s.is_image = true, s.width = 1025, s.height = 0; });
+    refused("size:", [](Shape& s) { s.is_image = true, s.width = 4097, s.height = 1; });
+    refused("least_radius_texels:", [](Shape& s) { s.least_radius_texels = 0.4; });
+    refused("least_radius_texels:", [](Shape& s) { s.least_radius_texels = std::nan(""); });
+}
+
 TEST(StampImage, WhiteIsOneAndBlackIsNothing) {
     ShapeLibrary shapes;
     const ShapeId white = *shapes.add_image("white", 1, 1, std::vector<std::uint16_t>{65535});

@@ -59,7 +59,7 @@ public:
 
     void stamp(const StampRequest& request) {
         const StampRecord record = test::value(ground_->issue(request));
-        queue_.push_back(record);
+        queue_.push_back({.record = record, .stroke = nullptr});
         ASSERT_TRUE(whole_->accept(record));
         whole_->apply(record);
     }
@@ -81,7 +81,7 @@ public:
         frame_ = {};
         stage_->set_viewers(viewers);
         stage_->begin(frame_);
-        ASSERT_TRUE(stage_->stamp(queue_, frame_));
+        ASSERT_TRUE(stage_->apply(queue_, frame_));
         queue_.clear();
         stage_->transfer(frame_);
         total_ += frame_;
@@ -152,7 +152,7 @@ private:
     std::unique_ptr<Ground> ground_, whole_;
     std::unique_ptr<Deformer> deformer_;
     std::unique_ptr<DetailStage> stage_;
-    std::vector<StampRecord> queue_;
+    std::vector<GroundEdit> queue_;
     gl::FrameStats frame_, total_;
 };
 

@@ -24,6 +24,7 @@ using RequestPtr = std::shared_ptr<DiskRequest>;
 
 /// The tiles of a request, each once.
 std::vector<TileIndex> tiles_of_request(const DiskRequest& request) {
+    if (request.kind == DiskRequest::Kind::Work) return {};
     if (request.kind == DiskRequest::Kind::Save) return {request.tile};
     std::vector<TileIndex> tiles;
     for (const LoadPiece& piece : request.pieces)
@@ -33,13 +34,15 @@ std::vector<TileIndex> tiles_of_request(const DiskRequest& request) {
 
 /// Which request is next. By priority, then by number; but of two that name one tile, one of them a save, the earlier
 /// goes first, and with the urgency of the later (or a save of no urgency would hold up an urgent load behind
-/// everything).
+/// everything). Other work and saves go in the order of their numbers, saves among themselves as above.
 class RequestOrder {
 public:
     [[nodiscard]] bool empty() const { return waiting_.empty(); }
 
     void add(std::uint64_t number, RequestPtr request) {
         for (const TileIndex tile : tiles_of_request(*request)) by_tile_[tile].emplace(number, request->kind);
+        if (request->kind == DiskRequest::Kind::Save) saves_.insert(number);
+        if (request->kind == DiskRequest::Kind::Work) works_.insert(number);
         by_priority_.emplace(request->priority, number);
         waiting_.emplace(number, std::move(request));
     }
@@ -58,6 +61,8 @@ private:
     [[nodiscard]] std::uint64_t blocker_of(std::uint64_t number) const {
         const DiskRequest& request = *waiting_.at(number);
         std::uint64_t first = number;
+        if (request.kind != DiskRequest::Kind::Load && !works_.empty()) first = std::min(first, *works_.begin());
+        if (request.kind == DiskRequest::Kind::Work && !saves_.empty()) first = std::min(first, *saves_.begin());
         for (const TileIndex tile : tiles_of_request(request))
             for (const auto& [earlier, kind] : by_tile_.at(tile)) {
                 if (earlier >= first) break;
@@ -71,6 +76,8 @@ private:
         RequestPtr request = std::move(found->second);
         waiting_.erase(found);
         by_priority_.erase({request->priority, number});
+        saves_.erase(number);
+        works_.erase(number);
         for (const TileIndex tile : tiles_of_request(*request)) {
             const auto queue = by_tile_.find(tile);
             queue->second.erase(number);
@@ -82,6 +89,7 @@ private:
     std::map<std::uint64_t, RequestPtr> waiting_;
     std::set<std::pair<std::uint32_t, std::uint64_t>> by_priority_;
     std::map<TileIndex, std::map<std::uint64_t, DiskRequest::Kind>> by_tile_;
+    std::set<std::uint64_t> saves_, works_;
 };
 
 RequestPtr made(DiskRequest::Kind kind, TileIndex tile, std::uint32_t priority) {
@@ -107,6 +115,12 @@ std::shared_ptr<DiskRequest> DiskRequest::load(TileIndex tile, std::vector<LoadP
 std::shared_ptr<DiskRequest> DiskRequest::save(TileIndex tile, std::vector<Page> pages, std::uint32_t priority) {
     auto request = made(Kind::Save, tile, priority);
     request->pages = std::move(pages);
+    return request;
+}
+
+std::shared_ptr<DiskRequest> DiskRequest::work(std::function<Result<void>()> work, std::uint32_t priority) {
+    auto request = made(Kind::Work, {}, priority);
+    request->action = std::move(work);
     return request;
 }
 
@@ -137,10 +151,17 @@ struct DiskWorker::Impl {
     /// Does the request and gives it back. Its last share goes with it: pages are released on the owner's thread.
     void finish(RequestPtr request) {
         const auto start = std::chrono::steady_clock::now();
-        if (request->kind == DiskRequest::Kind::Save)
-            save(*request);
-        else
-            load(*request);
+        switch (request->kind) {
+            case DiskRequest::Kind::Load:
+                load(*request);
+                break;
+            case DiskRequest::Kind::Save:
+                save(*request);
+                break;
+            case DiskRequest::Kind::Work:
+                request->outcome = request->action();
+                break;
+        }
         request->store_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
         to_owner.enqueue(std::move(request));
     }

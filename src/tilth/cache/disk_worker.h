@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -25,14 +26,19 @@ struct LoadPiece {
 /// only `cancel` may be called.
 class DiskRequest {
 public:
-    enum class Kind : std::uint8_t { Load, Save };
+    enum class Kind : std::uint8_t { Load, Save, Work };
 
     static std::shared_ptr<DiskRequest> load(TileIndex tile, std::vector<LoadPiece> pieces, std::uint32_t priority);
     /// Shares the codes until the request is given back and released; they must not change meanwhile.
     static std::shared_ptr<DiskRequest> save(TileIndex tile, std::vector<Page> pages, std::uint32_t priority);
 
+    /// Anything else that the store has to do between saves: a commit. It sees every save that was submitted before it
+    /// and none that comes later. `work` shares nothing that the owner changes meanwhile; it is released on the owner's
+    /// thread.
+    static std::shared_ptr<DiskRequest> work(std::function<Result<void>()> work, std::uint32_t priority);
+
     /// A load that has not begun is given back as cancelled, without touching the store; one that has, before its next
-    /// piece. A save is always done.
+    /// piece. A save and other work is always done.
     void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
 
     Kind kind = Kind::Load;
@@ -40,6 +46,7 @@ public:
     std::uint32_t priority = 0;     ///< lower goes first; equal ones in the order of submission
     std::vector<LoadPiece> pieces;  ///< of a load
     std::vector<Page> pages;        ///< of a save
+    std::function<Result<void>()> action;  ///< of other work
     bool was_cancelled = false;     ///< when given back: nothing was loaded
     Result<void> outcome;           ///< when given back; the message names the tile, nothing was loaded
     double store_ms = 0;            ///< when given back: how long the store took
@@ -55,12 +62,12 @@ private:
 ///
 /// Of two requests that name one tile, one of them a save, the earlier is done first, whatever the priorities: a load
 /// finds the last save that was submitted before it, an older save never replaces a newer one. The earlier one then
-/// goes with the urgency of the later. Threads: all members are for one thread, the owner's. Nothing waits but `wait`
+/// goes with the urgency of the later. Other work keeps its place among the saves. Threads: all members are for one thread, the owner's. Nothing waits but `wait`
 /// and the destructor.
 class DiskWorker {
 public:
     explicit DiskWorker(std::shared_ptr<TileStore> store);
-    /// Does the saves that are still queued, drops the loads, joins.
+    /// Does the saves and the work that are still queued, drops the loads, joins.
     ~DiskWorker();
     DiskWorker(const DiskWorker&) = delete;
     DiskWorker& operator=(const DiskWorker&) = delete;

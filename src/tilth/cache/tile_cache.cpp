@@ -7,6 +7,7 @@
 
 #include "tilth/cache/page_runs.h"
 #include "tilth/core/clock.h"
+#include "tilth/ground/before_image.h"
 #include "tilth/ground/cpu_executor.h"
 
 namespace tilth {
@@ -15,13 +16,6 @@ namespace {
 constexpr std::uint64_t kNotLoaded = ~std::uint64_t{0};
 constexpr std::size_t kStampsAStep = 8;      // applied between two looks at the clock
 constexpr std::size_t kMostArrivals = 1024;  // remembered for a host that does not ask
-
-template <class Visit>
-void for_each_neighbour(TileIndex of, const Visit& visit) {
-    for_each_tile(TileWindow{{of.x - 1, of.z - 1}, {of.x + 1, of.z + 1}}, [&](TileIndex index) {
-        if (index != of) visit(index);
-    });
-}
 
 }  // namespace
 
@@ -116,7 +110,7 @@ std::vector<Error> TileCache::take_errors() { return std::exchange(errors_, {});
 std::uint64_t TileCache::waiting_bytes() const {
     std::uint64_t sum = 0;
     for (const auto& [index, tile] : tiles_) {
-        sum += tile.pending.size() * sizeof(PreparedStamp);
+        sum += tile.pending.size() * sizeof(Stamp);
         if (tile.arriving)
             sum += (tile.arriving->own.pages().size() + tile.arriving->guests.pages().size()) * sizeof(PageCodes);
     }
@@ -215,6 +209,10 @@ void TileCache::send(TileIndex index, Tile& tile, TileEvent event, gl::CacheStat
 }
 
 void TileCache::deliver(const std::shared_ptr<DiskRequest>& done, gl::CacheStats& stats) {
+    if (done->kind == DiskRequest::Kind::Work) {
+        finished_.push_back(done);
+        return;
+    }
     Tile* const tile = find(done->tile);
     if (tile == nullptr) return;
     const bool expected = tile->request == done;
@@ -329,7 +327,9 @@ bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl:
     Arrival& arrival = *tile.arriving;
     const TexelRect inside = grid_.inside(index);
     for (; arrival.applied < tile.pending.size() && most_stamps > 0; ++arrival.applied, --most_stamps) {
-        const ApplyResult result = apply_stamp(tile.pending[arrival.applied], arrival.own, inside);
+        const Stamp& stamp = tile.pending[arrival.applied];
+        keep_images(stamp.edit, stamp.prepared, inside, arrival.own, ground_.map(MapKind::Detail), ground_.shapes());
+        const ApplyResult result = apply_stamp(stamp.prepared, arrival.own, inside);
         deform.texels += result.texels;
         deform.saturated += result.saturated;
         ++stats.late_stamps;
@@ -340,8 +340,9 @@ bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl:
         const TexelRect clip =
             intersection({texels_of(guest.pages.min).min, texels_of(guest.pages.max).min}, grid_.map);
         for (; guest.applied < owner->pending.size() && most_stamps > 0; ++guest.applied) {
-            if (intersection(owner->pending[guest.applied].rect(), clip).empty()) continue;
-            apply_stamp(owner->pending[guest.applied], arrival.guests, clip);
+            const PreparedStamp& stamp = owner->pending[guest.applied].prepared;
+            if (intersection(stamp.rect(), clip).empty()) continue;
+            apply_stamp(stamp, arrival.guests, clip);
             --most_stamps;
         }
     }
@@ -355,7 +356,7 @@ bool TileCache::arrive(TileIndex index, Tile& tile, std::size_t most_stamps, gl:
             live_.erase(index);
             return true;
         }
-        tile.modified = tile.changed = true;  // the store shall know of it
+        tile.was_changed();  // the store shall know of it
     }
     make_hot(index, tile);
     send(index, tile, TileEvent::Loaded, stats);
@@ -384,6 +385,7 @@ void TileCache::make_hot(TileIndex index, Tile& tile) {
         if (const Tile* owner = find(guest.owner); owner != nullptr && !owner->hot)
             replace(guest.pages, arrival->guests);
     tile.hot = true;
+    if (!tile.pending.empty()) tile.unsaved = true;  // the last snapshot may have them waiting
     tile.pending.clear();
     tile.pending.shrink_to_fit();
     crowded_.erase(index);

@@ -19,6 +19,8 @@
 #include "tilth/core/result.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/ground/ground.h"
+#include "tilth/ground/undo_history.h"
+#include "tilth/store/snapshot.h"
 #include "tilth/store/tile_store.h"
 #include "tilth/world/tile_grid.h"
 
@@ -66,6 +68,7 @@ struct CachedArrival {
 /// Whatever comes and goes, the codes are those that a ground which applies every record at once would have.
 ///
 /// What the store has not been given is lost with the cache: stamps that wait, and codes of tiles that are in memory.
+/// `snapshot` collects both, for a store that commits.
 ///
 /// Threads: all members are for one thread; the store has a worker of its own. Nothing waits but `settle`, `require`
 /// and `hash`. GL: through `TileTextures` alone.
@@ -82,11 +85,14 @@ public:
     /// Takes in what the worker finished, and starts what the viewers' places ask for. `now_ms`: a clock that never
     /// goes back.
     void update(double now_ms, gl::CacheStats& stats);
-    /// Applies detail records in order: at once where tiles are hot, else when they arrive. `smooth`, which reads
-    /// neighbours, waits until all its tiles are hot, and later records on those tiles wait behind it.
-    /// Fails when the gpu executor cannot run; the records are then applied by the CPU, nothing is lost, and it counts
-    /// as a fallback.
-    Result<void> stamp(std::span<const StampRecord> records, gl::StageStats& deform);
+    /// Applies edits of the detail map in order: stamps at once where tiles are hot, else when they arrive. `smooth`,
+    /// which reads neighbours, and the undoing of a stroke wait until all their tiles are hot, and later edits on those
+    /// tiles wait behind them; a stroke that still waits everywhere is taken off the lists instead.
+    /// Stamps of strokes keep what their undo needs. With the gpu executor that may take a read-back, which waits and
+    /// counts as a fallback: for rules other than `add`, where the GPU is ahead of the field.
+    /// Fails when the gpu executor cannot run; the edits are then applied by the CPU, nothing is lost, and it counts as
+    /// a fallback.
+    Result<void> apply(std::span<const GroundEdit> edits, gl::StageStats& deform);
     /// Fills textures of tiles that arrive, nearest first, as far as the budget allows.
     void transfer(FrameBudget& budget, gl::CacheStats& stats, gl::StageStats& deform);
 
@@ -102,6 +108,26 @@ public:
     /// State hash of the whole detail map, wherever its tiles are. Cost: one tile in memory at a time.
     Result<std::uint64_t> hash(gl::CacheStats& stats, gl::StageStats& deform);
 
+    // Durability.
+
+    /// Stamps that waited for tiles when the world was saved last. Before the first frame. What does not fit this world
+    /// is left out and reported.
+    void restore_waiting(std::map<TileIndex, std::vector<WaitingStamp>> waiting, const UndoHistory& history);
+    /// Everything that changed since the last snapshot, of one moment. Empty while an edit waits for tiles: ask again
+    /// next frame. With the gpu executor what the field lacks is read back, which waits; less so if `prepare_snapshot`
+    /// was called in the frames before.
+    std::optional<std::vector<TileSnapshot>> snapshot(gl::StageStats& deform);
+    /// With the gpu executor: begins to read back what a snapshot will need.
+    void prepare_snapshot();
+    /// A snapshot did not become durable: its tiles are in the next one again.
+    void snapshot_failed(std::span<const TileSnapshot> tiles);
+    /// Has the disk worker do something between the saves, see `DiskRequest::work`. Done when `take_finished` gives it
+    /// back.
+    void submit(const std::shared_ptr<DiskRequest>& work) { worker_.submit(work); }
+    [[nodiscard]] std::vector<std::shared_ptr<DiskRequest>> take_finished() { return std::exchange(finished_, {}); }
+    /// Waits until what was submitted is done.
+    void wait_for(const std::shared_ptr<DiskRequest>& work, gl::CacheStats& stats);
+
     // Reports.
 
     [[nodiscard]] std::vector<CachedTile> tiles() const;
@@ -113,8 +139,10 @@ public:
     [[nodiscard]] TileState state(TileIndex tile) const;
     /// Whether the tile's textures hold its codes, so that a frame may sample them.
     [[nodiscard]] bool can_be_drawn(TileIndex tile) const;
-    /// Records that wait for tiles and are tried again by `stamp`.
-    [[nodiscard]] bool has_waiting_stamps() const { return !deferred_.empty(); }
+    /// Edits that wait for tiles and are tried again by `apply`.
+    [[nodiscard]] bool has_waiting_edits() const { return !deferred_.empty(); }
+    /// Codes are on their way from the GPU.
+    [[nodiscard]] bool is_reading_back() const;
     /// Nothing is in memory or on its way.
     [[nodiscard]] bool is_idle() const { return live_.empty() && worker_.outstanding() == 0; }
     /// Nothing was ever stamped: a frame has nothing to do here.
@@ -136,6 +164,11 @@ private:
         std::size_t applied = 0;  ///< of the tile's pending stamps
         std::vector<Guest> neighbours;
     };
+    /// A stamp for one map, ready to be applied.
+    struct Stamp {
+        GroundEdit edit;
+        PreparedStamp prepared;
+    };
     struct Tile {
         TileState state = TileState::Absent;
         bool hot = false;
@@ -144,12 +177,13 @@ private:
         bool stored = false;        ///< the store has it
         bool modified = false;      ///< the store does not have all of it
         bool changed = false;       ///< since the save on its way, if one is, was handed to the worker
+        bool unsaved = false;       ///< since the last snapshot
         bool current = false;       ///< its textures hold its codes (with the gpu executor: and are the truth)
         std::uint64_t version = 0;  ///< saves of it that are done
         bool suspected =
             false;           ///< known to the store's list alone, beside a stored tile: its apron may hold something
         bool clean = false;  ///< it was, and it does not: as if there were no entry
-        std::vector<PreparedStamp> pending;    ///< while cold: since it was last hot
+        std::vector<Stamp> pending;            ///< while cold: since it was last hot
         std::unique_ptr<Arrival> arriving;     ///< loaded; until all that fell on it since is applied
         std::shared_ptr<DiskRequest> request;  ///< with the worker
         std::set<PageIndex> to_fill;           ///< where its textures are behind the field
@@ -160,10 +194,12 @@ private:
         bool reported = false;  ///< it
 
         void went_well() { pause_ms = retry_at_ms = 0, reported = false; }
+        void was_changed() { modified = changed = unsaved = true; }
     };
     struct Task {
-        PreparedStamp prepared;
+        Stamp stamp;        ///< or only `stamp.edit`, of an undo
         TileWindow window;  ///< tiles that it reads or changes, aprons included
+        std::vector<TileIndex> undone;  ///< tiles whose interior an undo changes
     };
 
     TileCache(Ground& ground, const TileGrid& grid, std::shared_ptr<TileStore> store, TileTextures& textures,
@@ -207,7 +243,10 @@ private:
     [[nodiscard]] const Tile* find(TileIndex index) const;
 
     // tile_cache_stamps.cpp
-    [[nodiscard]] Task task_of(const StampRecord& record) const;
+    [[nodiscard]] Task task_of(const GroundEdit& edit) const;
+    void run_or_wait(Task task, gl::StageStats& deform);
+    template <class Visit>
+    void for_each_tile_of(const Task& task, const Visit& visit) const;
     [[nodiscard]] bool must_wait(const Task& task);
     bool smooth_is_ready(const Task& task);
     void execute(const Task& task, gl::StageStats& deform);
@@ -220,6 +259,15 @@ private:
     void flush_gpu(gl::StageStats& deform);
     void apply_batch_on_cpu(std::size_t first, gl::StageStats& deform);
     void flush_fills();
+
+    // tile_cache_undo.cpp
+    [[nodiscard]] Task undo_task_of(const GroundEdit& edit) const;
+    void keep_images_of(const Stamp& stamp, TileIndex index, gl::StageStats& deform);
+    [[nodiscard]] bool wants_images(const Stamp& stamp) const;
+    void keep_saturating_images(const Stamp& stamp, gl::StageStats& deform);
+    [[nodiscard]] bool waits_with_all(const Task& undo, TileIndex index, const Tile& tile) const;
+    bool cancel_waiting(const Task& undo);
+    void execute_undo(const Task& undo, gl::StageStats& deform);
 
     // tile_cache_settle.cpp
     Result<void> step(gl::CacheStats& stats, gl::StageStats& deform);
@@ -242,11 +290,12 @@ private:
     std::vector<PostPos> viewer_texels_;
     std::deque<Task> deferred_;             ///< smooth that waits for tiles, and what waits behind it
     std::set<TileIndex> awaited_;           ///< tiles of `deferred_`
-    std::vector<PreparedStamp> gpu_batch_;  ///< own-texel stamps for the tiles of `gpu_tiles_`, in order
+    std::vector<Stamp> gpu_batch_;          ///< own-texel stamps for the tiles of `gpu_tiles_`, in order
     std::set<TileIndex> gpu_tiles_;
     std::map<TileIndex, std::vector<TexelRect>> fills_;  ///< of this frame's stamps, textures that exist
     std::vector<CachedArrival> arrivals_;
     std::vector<Error> errors_;
+    std::vector<std::shared_ptr<DiskRequest>> finished_;  ///< work that was submitted
     Result<void> gpu_outcome_;
     double now_ms_ = 0;
     DiskWorker worker_;  ///< last: it stops before anything it works on goes

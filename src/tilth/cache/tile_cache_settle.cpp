@@ -25,7 +25,7 @@ FrameBudget without_limit() {
 /// What a frame does, without its budget.
 Result<void> TileCache::step(gl::CacheStats& stats, gl::StageStats& deform) {
     update(now_ms_, stats);
-    const Result<void> stamped = stamp({}, deform);
+    const Result<void> stamped = apply({}, deform);
     FrameBudget budget = without_limit();
     const std::uint64_t missing = stats.missing_active;
     transfer(budget, stats, deform);
@@ -127,14 +127,11 @@ Result<std::uint64_t> TileCache::hash(gl::CacheStats& stats, gl::StageStats& def
             const std::shared_ptr<DiskRequest> request =
                 DiskRequest::load(index, {{.tile = index, .pages = pages, .version = tile.version}}, 0);
             worker_.submit(request);
-            for (std::shared_ptr<DiskRequest> done; done != request;) {
-                done = worker_.wait();
-                if (done != request) deliver(done, stats);
-            }
+            wait_for(request, stats);
             if (!request->outcome) return request->outcome.error();
             for (Page& page : request->pieces.front().loaded) codes.put(std::move(page));
         }
-        for (const PreparedStamp& stamp : tile.pending) apply_stamp(stamp, codes, grid_.inside(index));
+        for (const Stamp& stamp : tile.pending) apply_stamp(stamp.prepared, codes, grid_.inside(index));
         add_tile_to_hash(hasher, index, grid_.size, codes.pages_in(pages));
     }
     return hasher.digest();

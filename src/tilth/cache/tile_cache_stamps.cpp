@@ -4,6 +4,7 @@
 
 #include "tilth/cache/page_runs.h"
 #include "tilth/cache/tile_cache.h"
+#include "tilth/ground/before_image.h"
 #include "tilth/ground/cpu_executor.h"
 #include "tilth/world/texel_rects.h"
 
@@ -24,42 +25,60 @@ void count(gl::StageStats& deform, const ApplyResult& result) {
 
 }  // namespace
 
-TileCache::Task TileCache::task_of(const StampRecord& record) const {
-    Task task{.prepared = prepare(record, ground_.map(MapKind::Detail), ground_.shapes())};
-    const TexelRect rect = task.prepared.rect();
-    if (!rect.empty())
-        task.window = tiles_storing(grid_, task.prepared.reads_own_texel_only() ? rect : expanded(rect, 1));
+TileCache::Task TileCache::task_of(const GroundEdit& edit) const {
+    if (edit.kind == GroundEdit::Kind::Undo) return undo_task_of(edit);
+    Task task{.stamp = {edit, prepare(edit.record, ground_.map(MapKind::Detail), ground_.shapes())}};
+    const PreparedStamp& stamp = task.stamp.prepared;
+    if (!stamp.rect().empty())
+        task.window = tiles_storing(grid_, stamp.reads_own_texel_only() ? stamp.rect() : expanded(stamp.rect(), 1));
     return task;
 }
 
-Result<void> TileCache::stamp(std::span<const StampRecord> records, gl::StageStats& deform) {
+/// Calls `visit(index)` for each tile that a task waits for.
+template <class Visit>
+void TileCache::for_each_tile_of(const Task& task, const Visit& visit) const {
+    for (const TileIndex index : task.undone) visit(index);
+    for_each_tile(task.window, visit);
+}
+
+Result<void> TileCache::apply(std::span<const GroundEdit> edits, gl::StageStats& deform) {
     gpu_outcome_ = {};
-    const auto run_or_wait = [&](const Task& task) {
-        if (!must_wait(task)) {
-            if (task.prepared.reads_own_texel_only()) return execute(task, deform);
-            if (execute_smooth(task, deform)) return;
-        }
-        for_each_tile(task.window, [&](TileIndex index) { awaited_.insert(index); });
-        deferred_.push_back(task);
-    };
     awaited_.clear();
     for (std::size_t left = deferred_.size(); left > 0; --left) {
-        const Task task = deferred_.front();
+        Task task = std::move(deferred_.front());
         deferred_.pop_front();
-        run_or_wait(task);
+        run_or_wait(std::move(task), deform);
     }
-    for (const StampRecord& record : records) {
-        const Task task = task_of(record);
-        if (!task.prepared.rect().empty()) run_or_wait(task);
+    for (const GroundEdit& edit : edits) {
+        Task task = task_of(edit);
+        if (!task.undone.empty() || task.window.count() > 0) run_or_wait(std::move(task), deform);
     }
     flush_gpu(deform);
     flush_fills();
     return gpu_outcome_;
 }
 
+void TileCache::run_or_wait(Task task, gl::StageStats& deform) {
+    const bool is_undo = task.stamp.edit.kind == GroundEdit::Kind::Undo;
+    if (!must_wait(task)) {
+        if (is_undo) return execute_undo(task, deform);
+        if (task.stamp.prepared.reads_own_texel_only()) return execute(task, deform);
+        if (execute_smooth(task, deform)) return;
+    } else if (is_undo && cancel_waiting(task)) {
+        return;
+    }
+    for_each_tile_of(task, [&](TileIndex index) { awaited_.insert(index); });
+    deferred_.push_back(std::move(task));
+}
+
 bool TileCache::must_wait(const Task& task) {
-    if (any_of(task.window, [&](TileIndex index) { return awaited_.contains(index); })) return true;
-    return !task.prepared.reads_own_texel_only() && !smooth_is_ready(task);
+    bool waits = false;
+    const bool is_undo = task.stamp.edit.kind == GroundEdit::Kind::Undo;
+    for_each_tile_of(task, [&](TileIndex index) {
+        const Tile* tile = is_undo ? find(index) : nullptr;
+        waits = waits || awaited_.contains(index) || (tile != nullptr && !tile->hot);
+    });
+    return waits || (!is_undo && !task.stamp.prepared.reads_own_texel_only() && !smooth_is_ready(task));
 }
 
 /// Every tile that it reads or changes is hot, or was never touched; and all are ahead on the GPU, or none is.
@@ -91,7 +110,7 @@ TileCache::Tile& TileCache::touched(TileIndex index, bool inside) {
     const bool is_new = inserted || tile.clean, is_first = is_new || tile.suspected;
     tile.clean = tile.suspected = false;
     if (is_new && interest(index) != Interest::None) make_fresh(index, tile);
-    if (is_first || inside) tile.modified = tile.changed = true;
+    if (is_first || inside) tile.was_changed();
     return tile;
 }
 
@@ -109,28 +128,31 @@ void TileCache::make_fresh(TileIndex index, Tile& tile) {
 }
 
 void TileCache::execute(const Task& task, gl::StageStats& deform) {
-    const TexelRect rect = task.prepared.rect();
+    const PreparedStamp& stamp = task.stamp.prepared;
+    const TexelRect rect = stamp.rect();
     const auto part = [&](TileIndex index) { return intersection(grid_.inside(index), rect); };
     // All tiles first: one that becomes hot makes guests of its neighbours' pages.
     for_each_tile(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
+    if (task.stamp.edit.stroke != nullptr)
+        for_each_tile(task.window, [&](TileIndex index) { keep_images_of(task.stamp, index, deform); });
     bool drawn = false;
     for_each_tile(task.window, [&](TileIndex index) {
         const TexelRect inside = part(index);
         Tile& tile = *find(index);
         if (!tile.hot) {
             if (inside.empty()) return;
-            tile.pending.push_back(task.prepared);
+            tile.pending.push_back(task.stamp);
             if (tile.pending.size() >= settings_.most_pending) crowded_.insert(index);
-            apply_to_guests(task.prepared, index);
+            apply_to_guests(stamp, index);
         } else if (on_gpu(tile)) {
             drawn = true;
             gpu_tiles_.insert(index);
             add_pages(tile.newer, inside);
         } else if (!inside.empty()) {
-            count(deform, apply_stamp(task.prepared, field_, inside));
+            count(deform, apply_stamp(stamp, field_, inside));
         }
     });
-    if (drawn) gpu_batch_.push_back(task.prepared);
+    if (drawn) gpu_batch_.push_back(task.stamp);
     for_each_tile(task.window, [&](TileIndex index) {
         Tile& tile = *find(index);
         if (!on_gpu(tile)) refill(index, tile, rect);
@@ -170,21 +192,24 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
     // Nothing lies there: nothing changes.
     if (!any_of(task.window, [&](TileIndex index) { return find(index) != nullptr; })) return true;
     flush_gpu(deform);
+    const PreparedStamp& stamp = task.stamp.prepared;
     bool all_on_gpu = true;
     for_each_tile(task.window, [&](TileIndex index) {
         Tile& tile = touched(index, true);
         if (!tile.hot) make_fresh(index, tile);  // untouched, and no viewer near
         all_on_gpu = all_on_gpu && on_gpu(tile);
     });
+    if (!all_on_gpu && !smooth_is_ready(task)) return false;  // a tile got no textures: the others are read back first
+    if (task.stamp.edit.stroke != nullptr)
+        for_each_tile(task.window, [&](TileIndex index) { keep_images_of(task.stamp, index, deform); });
     if (!all_on_gpu) {
-        if (!smooth_is_ready(task)) return false;  // a tile got no textures: the others are read back first
         smooth_on_cpu(task, deform);
         return true;
     }
     std::vector<TileIndex> tiles;
     for_each_tile(task.window, [&](TileIndex index) { tiles.push_back(index); });
     std::size_t applied = 0;
-    const PreparedStamp stamps[] = {task.prepared};
+    const PreparedStamp stamps[] = {stamp};
     const Result<void> drawn = textures_.stamp(stamps, tiles, applied);
     if (!drawn && applied == 0) {
         gpu_outcome_ = drawn.error();
@@ -192,7 +217,7 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
         smooth_on_cpu(task, deform);
         return true;
     }
-    const TexelRect rect = task.prepared.rect();
+    const TexelRect rect = stamp.rect();
     for (const TileIndex to : tiles)
         for (const TileIndex from : tiles) {
             const TexelRect shared = intersection(intersection(rect, grid_.interior(from)), grid_.stored(to));
@@ -207,22 +232,40 @@ void TileCache::smooth_on_cpu(const Task& task, gl::StageStats& deform) {
         Tile& tile = *find(index);
         if (!tile.newer.empty() || !tile.reading.empty()) read_back_now(index, tile);  // after a failed pass only
     });
-    count(deform, apply_stamp(task.prepared, field_, grid_.map));
-    for_each_tile(task.window, [&](TileIndex index) { refill(index, *find(index), task.prepared.rect()); });
+    const PreparedStamp& stamp = task.stamp.prepared;
+    count(deform, apply_stamp(stamp, field_, grid_.map));
+    for_each_tile(task.window, [&](TileIndex index) { refill(index, *find(index), stamp.rect()); });
     flush_fills();  // before anything is drawn over it
 }
 
 // ---- the gpu executor ----
 
+/// Draws the batch; where a stamp may saturate whose undo would need images then, in parts.
 void TileCache::flush_gpu(gl::StageStats& deform) {
-    if (gpu_batch_.empty()) return;
     const std::vector<TileIndex> tiles(gpu_tiles_.begin(), gpu_tiles_.end());
-    std::size_t applied = 0;
-    const Result<void> drawn = textures_.stamp(gpu_batch_, tiles, applied);
-    if (!drawn) {
-        gpu_outcome_ = drawn.error();
-        deform.fallbacks += gpu_batch_.size() - applied;
-        apply_batch_on_cpu(applied, deform);
+    std::vector<PreparedStamp> stamps;
+    for (const Stamp& stamp : gpu_batch_) stamps.push_back(stamp.prepared);
+    for (std::size_t done = 0; done < stamps.size();) {
+        std::size_t end = stamps.size();
+        if (std::any_of(gpu_batch_.begin() + static_cast<std::ptrdiff_t>(done), gpu_batch_.end(),
+                        [&](const Stamp& stamp) { return wants_images(stamp); })) {
+            const std::size_t first = done + textures_.first_that_may_saturate(std::span(stamps).subspan(done), tiles);
+            if (first > done && first < end && wants_images(gpu_batch_[first])) {
+                end = first;
+            } else if (first < end) {
+                if (wants_images(gpu_batch_[first])) keep_saturating_images(gpu_batch_[first], deform);
+                end = first + 1;
+            }
+        }
+        std::size_t applied = 0;
+        const Result<void> drawn = textures_.stamp(std::span(stamps).subspan(done, end - done), tiles, applied);
+        done += applied;
+        if (!drawn) {
+            gpu_outcome_ = drawn.error();
+            deform.fallbacks += stamps.size() - done;
+            apply_batch_on_cpu(done, deform);
+            break;
+        }
     }
     gpu_batch_.clear();
     gpu_tiles_.clear();
@@ -234,11 +277,15 @@ void TileCache::apply_batch_on_cpu(std::size_t first, gl::StageStats& deform) {
         Tile& tile = *find(index);
         read_back_now(index, tile);
         const TexelRect inside = grid_.inside(index);
-        for (std::size_t i = first; i < gpu_batch_.size(); ++i)
-            count(deform, apply_stamp(gpu_batch_[i], field_, inside));
+        for (std::size_t i = first; i < gpu_batch_.size(); ++i) {
+            const Stamp& stamp = gpu_batch_[i];
+            keep_images(stamp.edit, stamp.prepared, inside, field_, ground_.map(MapKind::Detail), ground_.shapes());
+            count(deform, apply_stamp(stamp.prepared, field_, inside));
+        }
     }
     for (const TileIndex index : gpu_tiles_)
-        for (std::size_t i = first; i < gpu_batch_.size(); ++i) refill(index, *find(index), gpu_batch_[i].rect());
+        for (std::size_t i = first; i < gpu_batch_.size(); ++i)
+            refill(index, *find(index), gpu_batch_[i].prepared.rect());
     flush_fills();
 }
 

@@ -43,6 +43,10 @@ public:
     /// first `applied` stamps are in all tiles, wholly, and of the others none.
     virtual Result<void> stamp(std::span<const PreparedStamp> stamps, std::span<const TileIndex> tiles,
                                std::size_t& applied) = 0;
+    /// Executor gpu. Which of the stamps is the first that may leave the range somewhere in the interior of one of
+    /// `tiles`, when those before it were applied; their count: none. Cost: that of their bounds, no look at a texel.
+    [[nodiscard]] virtual std::size_t first_that_may_saturate(std::span<const PreparedStamp> stamps,
+                                                              std::span<const TileIndex> tiles) const = 0;
     /// Executor gpu. Copies codes of `rect` from the tile that owns them to the apron of another, slopes included.
     virtual void exchange(TileIndex from, TileIndex to, const TexelRect& rect) = 0;
 

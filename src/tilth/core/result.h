@@ -15,7 +15,9 @@ enum class ErrorCode {
     InvalidArgument,  ///< a value that the caller passed on from its user is not allowed; the message names the field
     NotFound,         ///< a file, shape or scenario that does not exist
     FileFormat,       ///< a file whose content is not what it claims to be
-    FileWrite,        ///< a file that could not be written
+    FileRead,         ///< a file that could not be read
+    FileWrite,        ///< a file that could not be written: the disk is full, or it is not ours to write
+    Locked,           ///< another process, or another object of this one, has it open
     Unsupported,      ///< this build, driver or context cannot do it; the message says why
     ShaderCompile,    ///< the message is the driver's log with our file names and lines
     OutOfMemory,      ///< an allocation of the stated size was refused

@@ -58,18 +58,34 @@ struct CacheStats {
     friend bool operator==(const CacheStats&, const CacheStats&) = default;
 };
 
+/// What the world on disk cost the frame.
+struct StoreStats {
+    std::uint64_t snapshots = 0;    ///< that became durable
+    std::uint64_t compactions = 0;  ///< steps
+    std::uint64_t failures = 0;     ///< snapshots that could not be written, retries included
+    double snapshot_ms = 0;         ///< wall time of the calling thread, spent on taking snapshots
+
+    StoreStats& operator+=(const StoreStats& other) {
+        snapshots += other.snapshots, compactions += other.compactions, failures += other.failures;
+        snapshot_ms += other.snapshot_ms;
+        return *this;
+    }
+    friend bool operator==(const StoreStats&, const StoreStats&) = default;
+};
+
 /// One frame, or the sum of many.
 struct FrameStats {
     StageStats deform, derive, mips, render;
     TransferStats transfer;
     CacheStats cache;
+    StoreStats store;
 
     [[nodiscard]] std::uint64_t fallbacks() const {
         return deform.fallbacks + derive.fallbacks + mips.fallbacks + render.fallbacks;
     }
     FrameStats& operator+=(const FrameStats& other) {
         deform += other.deform, derive += other.derive, mips += other.mips, render += other.render;
-        transfer += other.transfer, cache += other.cache;
+        transfer += other.transfer, cache += other.cache, store += other.store;
         return *this;
     }
     friend bool operator==(const FrameStats&, const FrameStats&) = default;

@@ -33,6 +33,11 @@ const PageCodes* DetailField::find(PageIndex page) const {
     return found == pages_.end() ? nullptr : found->second.get();
 }
 
+std::shared_ptr<const PageCodes> DetailField::share(PageIndex page) const {
+    const auto found = pages_.find(page);
+    return found == pages_.end() ? nullptr : found->second;
+}
+
 void DetailField::put(Page page) { pages_[page.index] = std::move(page.codes); }
 
 std::vector<Page> DetailField::pages_in(const PageRect& rect) const {

@@ -15,8 +15,9 @@ namespace tilth {
 /// Detail codes of a world, or of the part of it that is in memory. Untouched ground is the code 2^31 and costs
 /// nothing.
 ///
-/// Pages can be shared (`pages_in`), for a save in the background say: a shared page is copied before it is written, so
-/// what was handed out never changes. Whoever holds a share gives it back on the thread that writes the field.
+/// Pages can be shared (`share`, `pages_in`), for a save in the background say: a shared page is copied before it is
+/// written, so what was handed out never changes. Whoever holds a share gives it back on the thread that writes the
+/// field.
 class DetailField {
 public:
     [[nodiscard]] std::uint32_t code(Texel t) const;
@@ -24,6 +25,8 @@ public:
     PageCodes& touch(PageIndex page);
     /// Nullptr where nothing was ever written.
     [[nodiscard]] const PageCodes* find(PageIndex page) const;
+    /// A share of a page; nullptr where nothing was ever written.
+    [[nodiscard]] std::shared_ptr<const PageCodes> share(PageIndex page) const;
     /// Takes a page over, in place of what was there.
     void put(Page page);
     void erase(PageIndex page) { pages_.erase(page); }

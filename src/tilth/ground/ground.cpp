@@ -66,6 +66,13 @@ double interpolated_m(const MapGeometry& map, WorldPos at, const CodeAt& code_at
     return here + v * (south - here) + u * (across - south);
 }
 
+// The code of a coarse post before any stamp; `post` is clamped to the map.
+std::uint32_t code_before(const HeightSource& source, const MapGeometry& map, bool mirror, Texel post) {
+    Texel t{std::clamp(post.x, 0, map.grid.width - 1), std::clamp(post.z, 0, map.grid.depth - 1)};
+    if (mirror) t = {mirrored_index(t.x, source.width()), mirrored_index(t.z, source.depth())};
+    return map.codec.code(source.height_m(t), map.precision);
+}
+
 }  // namespace
 
 Ground::Ground(std::shared_ptr<const HeightSource> source, const GroundSettings& settings, MapGeometry coarse_map,
@@ -76,8 +83,7 @@ Ground::Ground(std::shared_ptr<const HeightSource> source, const GroundSettings&
       detail_map_(detail_map),
       coarse_(source_->width(), source_->depth()) {
     for (std::int32_t z = 0; z < coarse_.depth(); ++z)
-        for (std::int32_t x = 0; x < coarse_.width(); ++x)
-            coarse_.set_code({x, z}, coarse_map_.codec.code(source_->height_m({x, z}), settings_.precision));
+        for (std::int32_t x = 0; x < coarse_.width(); ++x) coarse_.set_code({x, z}, original_code({x, z}));
 }
 
 Result<std::unique_ptr<Ground>> Ground::create(std::shared_ptr<const HeightSource> source,
@@ -227,11 +233,16 @@ double Ground::height_m(WorldPos at, MapSelect select) const {
     return height;
 }
 
-double Ground::original_height_m(Texel post) const {
-    const GridSpec& grid = coarse_map_.grid;
-    Texel t{std::clamp(post.x, 0, grid.width - 1), std::clamp(post.z, 0, grid.depth - 1)};
-    if (settings_.mirror) t = {mirrored_index(t.x, coarse_.width()), mirrored_index(t.z, coarse_.depth())};
-    return coarse_map_.codec.height_m(coarse_map_.codec.code(source_->height_m(t), settings_.precision));
+double Ground::original_height_m(Texel post) const { return coarse_map_.codec.height_m(original_code(post)); }
+
+std::uint32_t Ground::original_code(Texel post) const {
+    return code_before(*source_, coarse_map_, settings_.mirror, post);
+}
+
+std::function<std::uint32_t(Texel)> Ground::original_codes() const {
+    return [source = source_, map = coarse_map_, mirror = settings_.mirror](Texel post) {
+        return code_before(*source, map, mirror, post);
+    };
 }
 
 std::uint64_t Ground::coarse_hash() const {

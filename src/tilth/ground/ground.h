@@ -1,8 +1,10 @@
 // The ground of one world on the CPU: original heights, codes of both maps, stamps, queries and hashes. No GL.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -77,6 +79,11 @@ public:
     /// with `InvalidArgument` and the field's name.
     Result<void> accept(const StampRecord& record);
 
+    /// The number that the next record issued gets.
+    [[nodiscard]] std::uint64_t next_sequence() const { return next_sequence_; }
+    /// The next record issued gets `sequence` or a later number: a world that was saved goes on counting.
+    void continue_from(std::uint64_t sequence) { next_sequence_ = std::max(next_sequence_, sequence); }
+
     /// Applies one record on the CPU. Cost: about 3 ns a texel with AVX2. The record was issued or accepted by this
     /// ground; another is the caller's mistake and stops the program.
     ApplyResult apply(const StampRecord& record);
@@ -87,6 +94,10 @@ public:
 
     /// Original height of a coarse post, metres, as its code holds it.
     [[nodiscard]] double original_height_m(Texel post) const;
+    /// Its code, before any stamp. `post` is clamped to the map.
+    [[nodiscard]] std::uint32_t original_code(Texel post) const;
+    /// The same as a function that may outlive this object and be called on any thread.
+    [[nodiscard]] std::function<std::uint32_t(Texel)> original_codes() const;
 
     /// XXH3-64 of both maps, of 32-bit little-endian words (`bits16`: code << 16). Coarse: all codes, row by row; in a
     /// mirrored world those of the source. Detail: every 64 x 64 page whose codes are not all 2^31, touched or not, in

@@ -67,9 +67,34 @@ ShapeId ShapeLibrary::keep(Shape shape) {
 
 Result<ShapeId> ShapeLibrary::add(Shape shape) {
     if (shape.name.empty()) return Error{ErrorCode::InvalidArgument, "name: a shape needs a name"};
-    if (find(shape.name))
-        return Error{ErrorCode::InvalidArgument, text("name: a shape called '", shape.name, "' exists already")};
-    return keep(std::move(shape));
+    const std::optional<ShapeId> known = find(shape.name);
+    if (!known) return keep(std::move(shape));
+    if (shapes_[known->value].hash == hash_of(shape)) return *known;
+    return Error{ErrorCode::InvalidArgument,
+                 text("name: another shape called '", shape.name, "' exists already; give this one another name")};
+}
+
+Result<ShapeId> ShapeLibrary::add_exact(Shape shape) {
+    if (!(shape.least_radius_texels >= 0.5 && shape.least_radius_texels < 8192))
+        return Error{ErrorCode::InvalidArgument,
+                     text("least_radius_texels: ", shape.least_radius_texels, " is not in [0.5, 8192)")};
+    const bool has_size = shape.is_image ? shape.width >= 1 && shape.height >= 1 && shape.width <= kMaxImageSize &&
+                                               shape.height <= kMaxImageSize
+                                         : shape.width == 0 && shape.height == 0;
+    if (!has_size)
+        return Error{ErrorCode::InvalidArgument,
+                     text("size: ", shape.width, " x ", shape.height, "; an image has 1..4096 a side, a profile none")};
+    const std::size_t weights = shape.is_image
+                                    ? static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height)
+                                    : static_cast<std::size_t>(kProfileEntries);
+    if (shape.weights.size() != weights)
+        return Error{ErrorCode::InvalidArgument,
+                     text("weights: '", shape.name, "' has ", shape.weights.size(), ", needs ", weights)};
+    for (const std::int32_t weight : shape.weights)
+        if (weight < -kWeightOne || weight > kWeightOne)
+            return Error{ErrorCode::InvalidArgument,
+                         text("weights: '", shape.name, "' has ", weight, ", not a value in -65536..65536")};
+    return add(std::move(shape));
 }
 
 Result<ShapeId> ShapeLibrary::add_profile(std::string name, const std::function<double(double)>& weight,

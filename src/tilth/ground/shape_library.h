@@ -45,14 +45,16 @@ struct Shape {
 };
 
 /// The shapes of one world. Shapes are only ever added; ids stay valid. Built-in profiles are always there.
-/// Threads: adding needs exclusive access; reading is free.
+/// Adding a shape whose name and data are those of one that is there gives the id of that one: a host may add its
+/// shapes again after it opened a world that has them. Another shape under a name that is taken is refused. Threads:
+/// adding needs exclusive access; reading is free.
 class ShapeLibrary {
 public:
     ShapeLibrary();
 
     /// Adds a radial profile baked from `weight(t)`, t in [0, 1], values in [-1, 1]. Evaluated 1 025 times, now.
-    /// Fails when the name is taken or empty, a value is not finite or out of range, or `least_radius_texels` is not
-    /// in [0.5, 8 192).
+    /// Fails when the name is empty or another shape's, a value is not finite or out of range, or `least_radius_texels`
+    /// is not in [0.5, 8 192).
     Result<ShapeId> add_profile(std::string name, const std::function<double(double t)>& weight,
                                 double least_radius_texels = 2.0);
 
@@ -64,6 +66,10 @@ public:
     /// Bakes any function of (x, z), both in [-1, 1] over the stamp's square, into a `size` x `size` image; values in
     /// [-1, 1]. Parameters are what the function captures: bake once per set of them.
     Result<ShapeId> bake(std::string name, std::int32_t size, const std::function<double(double x, double z)>& weight);
+
+    /// Adds a shape as it was in another library: name, kind, size, weights, least radius and balance are taken as they
+    /// are; the rest is computed. Fails with the field's name on values that no shape has.
+    Result<ShapeId> add_exact(Shape shape);
 
     [[nodiscard]] std::optional<ShapeId> find(std::string_view name) const;
     /// As `find`; fails with NotFound and the names that exist.

@@ -79,6 +79,14 @@ constexpr void for_each_tile(const TileWindow& window, const Visit& visit) {
         for (std::int32_t x = window.min.x; x <= window.max.x; ++x) visit(TileIndex{x, z});
 }
 
+/// Calls `visit(tile)` for the eight tiles about one, those beyond the map included.
+template <class Visit>
+constexpr void for_each_neighbour(TileIndex of, const Visit& visit) {
+    for_each_tile({{of.x - 1, of.z - 1}, {of.x + 1, of.z + 1}}, [&](TileIndex index) {
+        if (index != of) visit(index);
+    });
+}
+
 /// Tiles of the map whose interior meets `rect`.
 constexpr TileWindow tiles_of(const TileGrid& grid, const TexelRect& rect) {
     const TexelRect inside = intersection(rect, grid.map);

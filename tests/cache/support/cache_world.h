@@ -7,6 +7,7 @@
 #include <memory>
 #include <numbers>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "cache/support/fake_textures.h"
@@ -25,6 +26,7 @@ struct CacheWorldSettings {
     BudgetSettings budget;
     FakeTrouble trouble;
     std::uint64_t seed = 1;
+    std::uint64_t undo_bytes = 0;
 };
 
 /// Both executors: with `gpu` the fake textures are the truth.
@@ -40,6 +42,7 @@ public:
           textures(grid, settings.seed, settings.trouble),
           random{settings.seed},
           budget(settings.budget),
+          history(settings.undo_bytes),
           gpu_executor_(settings.cache.gpu_executor) {
         Result<std::unique_ptr<TileCache>> made = TileCache::create(*cached, grid, store, textures, settings.cache);
         EXPECT_TRUE(made.ok());
@@ -62,13 +65,9 @@ public:
         for (const PostPos& viewer : viewers) places.push_back(at(viewer.x, viewer.z));
         cache->set_viewers(places);
         cache->update(now_ms, stats);
-        std::vector<StampRecord> records;
-        for (const StampRequest& request : requests) {
-            records.push_back(issued(*truth, request));
-            truth->apply(records.back());
-            EXPECT_TRUE(cached->accept(records.back()).ok());
-        }
-        const Result<void> stamped = cache->stamp(records, deform);
+        for (const StampRequest& request : requests) stamp(request);
+        const Result<void> stamped = cache->apply(std::exchange(queue_, {}), deform);
+        history.trim();
         failed_stamps += stamped.ok() ? 0 : 1;
         budget.begin_frame(5);
         cache->transfer(budget, stats, deform);
@@ -80,6 +79,27 @@ public:
         }
     }
     void frame(PostPos viewer, std::span<const StampRequest> requests = {}) { frame({&viewer, 1}, requests); }
+
+    /// Queued for the next frame; at once on the big map. Each is a stroke of its own unless `begins` is false.
+    void stamp(const StampRequest& request, bool begins = true) {
+        last_record = issued(*truth, request);
+        truth->apply(last_record);
+        EXPECT_TRUE(cached->accept(last_record).ok());
+        queue_.push_back(history.add(last_record, begins));
+    }
+    /// Of the last stroke. The big map has nothing to undo with: it becomes what the caller remembers of it.
+    void undo(const DetailField& before) {
+        const Result<StrokePtr> stroke = history.undo();
+        ASSERT_TRUE(stroke.ok()) << stroke.error().message;
+        queue_.push_back(undo_edit(*stroke));
+        truth->mutable_detail() = before;
+    }
+    void redo(const DetailField& after) {
+        const Result<StrokePtr> stroke = history.redo();
+        ASSERT_TRUE(stroke.ok()) << stroke.error().message;
+        for (GroundEdit& edit : redo_edits(*stroke)) queue_.push_back(std::move(edit));
+        truth->mutable_detail() = after;
+    }
 
     [[nodiscard]] std::size_t resident() const {
         std::size_t count = 0;
@@ -152,11 +172,14 @@ public:
     gl::CacheStats stats;
     gl::StageStats deform;
     FrameBudget budget;
+    UndoHistory history;
+    StampRecord last_record;
     double now_ms = 0;
     std::uint64_t frames = 0, failed_stamps = 0;
 
 private:
     const bool gpu_executor_;
+    std::vector<GroundEdit> queue_;
 
     static std::unique_ptr<Ground> make_ground(const CacheWorldSettings& settings) {
         return flat_ground(settings.posts,

@@ -101,6 +101,19 @@ public:
         }
         return {};
     }
+    /// Exactly: by doing it, on a copy.
+    [[nodiscard]] std::size_t first_that_may_saturate(std::span<const PreparedStamp> stamps,
+                                                      std::span<const TileIndex> tiles) const override {
+        std::size_t first = stamps.size();
+        for (const TileIndex tile : tiles) {
+            const TexelRect inside = intersection(grid_.interior(tile), grid_.map);
+            DetailField codes;
+            copy(sets_.at(tile).codes, codes, inside);
+            for (std::size_t i = 0; i < first; ++i)
+                if (apply_stamp(stamps[i], codes, inside).saturated > 0) first = i;
+        }
+        return first;
+    }
     void exchange(TileIndex from, TileIndex to, const TexelRect& rect) override {
         ASSERT_TRUE(has(from) && has(to));
         EXPECT_EQ(intersection(rect, grid_.interior(from)), rect) << "not the owner's";

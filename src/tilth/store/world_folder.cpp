@@ -1,0 +1,427 @@
+#include "tilth/store/world_folder.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <utility>
+
+#include "tilth/core/log.h"
+#include "tilth/store/shape_files.h"
+#include "tilth/store/world_blobs.h"
+#include "tilth/store/world_pages.h"
+#include "tilth/store/world_recovery.h"
+#include "tilth/store/world_repair.h"
+#include "tilth/store/world_verify.h"
+
+namespace tilth {
+namespace {
+
+// What one call of compaction copies while a snapshot makes room.
+constexpr std::uint64_t kCompactionStep = 16u << 20;
+
+std::uint64_t drawn_salt() {
+    std::random_device device;
+    return (std::uint64_t{device()} << 32) | device();
+}
+
+/// Makes the folder, and its name durable. A folder that was there before us may lie in one that we may not look into.
+Result<void> make_durable_folder(FileSystem& files, const std::string& folder) {
+    const bool was_there = files.exists(folder);
+    if (Result<void> made = files.make_folder(folder); !made) return made;
+    if (files.exists(folder + "/world.tlw")) return {};
+    const std::size_t slash = folder.rfind('/');
+    const std::string parent = slash == std::string::npos ? "." : folder.substr(0, std::max<std::size_t>(slash, 1));
+    Result<void> synced = files.sync_folder(parent);
+    if (synced || !was_there) return synced;
+    log(LogLevel::Warning, synced.error().message);
+    return {};
+}
+
+bool is_of_a_world(const std::string& name) {
+    return name.ends_with(".tlp") || name.ends_with(".tlj") || name.ends_with(".tls");
+}
+
+/// The identity of the world in `folder`, which is made if the folder holds none. It is the first file of a world: what
+/// else belongs to one is made under its salt.
+Result<WorldIdentity> identity_in(FileSystem& files, const std::string& folder, const Ground& ground,
+                                  const std::string& heights, bool& is_new) {
+    WorldIdentity given = identity_of(ground);
+    auto stored = read_identity(files, folder);
+    is_new = !stored && stored.error().code == ErrorCode::NotFound;
+    if (stored) {
+        if (const Result<void> same = check_same(*stored, given); !same)
+            return Error{same.error().code, text(folder, ": ", same.error().message)};
+        return stored;
+    }
+    if (!is_new) return stored;
+    const auto names = files.list(folder);
+    if (!names) return names.error();
+    if (const auto found = std::ranges::find_if(*names, is_of_a_world); found != names->end())
+        return Error{ErrorCode::FileFormat, text(folder, "/world.tlw: is missing, but there is ", *found,
+                                                 " of a world; restore it from a backup, or choose another folder")};
+    given.salt = drawn_salt();
+    given.heights = heights;
+    if (const Result<void> written = write_identity(files, folder, given); !written) return written.error();
+    return given;
+}
+
+}  // namespace
+
+// `blobs_mutex` guards the store and all that stands under it; it is held for as long as a commit takes. `errors_mutex`
+// is held for moments. The journal guards itself.
+struct WorldFolder::Impl {
+    std::string folder;
+    FileSystem* files = nullptr;
+    WorldOptions options;
+    WorldIdentity identity;
+    std::unique_ptr<FileLock> lock;
+    std::atomic<std::uint32_t> kept_shapes = 0;
+    std::unique_ptr<Journal> journal;
+    std::atomic<std::uint64_t> committed = 0, page_bytes = 0, live_page_bytes = 0;
+
+    std::mutex blobs_mutex;
+    std::shared_ptr<BlobStore> blobs;  // nullptr: abandoned
+    std::optional<WorldPages> pages;
+    std::optional<WorldRepair> repair;
+    std::map<TileIndex, std::vector<WaitingStamp>> waiting;  // as of the last commit
+    std::set<TileIndex> waiting_tiles;                       // that have a blob
+    std::map<std::uint64_t, std::uint32_t> stroke_parts;     // that have blobs, and how many
+    std::set<PageIndex> reported;                            // damaged detail pages, each told once
+    bool is_over_budget = false;
+
+    std::mutex errors_mutex;
+    std::vector<Error> errors;
+
+    Result<void> open_stores(Ground& ground, RecoveredWorld& recovered);
+    [[nodiscard]] Result<void> usable() const;
+    void report(Error error);
+    void note_sizes();
+    [[nodiscard]] std::uint64_t disk_bytes() const { return journal->disk_bytes() + page_bytes; }
+
+    Result<void> repair_pages(TileIndex tile, std::map<PageIndex, Error>& damaged, std::vector<Page>& pages);
+    Result<void> write(const Snapshot& snapshot);
+    Result<void> write_waiting(const TileSnapshot& tile);
+    Result<void> write_history(const Snapshot& snapshot);
+    void keep_to_budget(std::uint64_t edits);
+};
+
+WorldFolder::WorldFolder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+WorldFolder::~WorldFolder() = default;
+
+Result<void> WorldFolder::Impl::usable() const {
+    if (blobs != nullptr) return {};
+    return Error{ErrorCode::FileWrite, text(folder, ": the world was abandoned; open it again")};
+}
+
+void WorldFolder::Impl::report(Error error) {
+    const std::lock_guard guard(errors_mutex);
+    errors.push_back(std::move(error));
+}
+
+void WorldFolder::Impl::note_sizes() {
+    const BlobStore::Size size = blobs->size();
+    page_bytes = size.disk_bytes;
+    live_page_bytes = size.live_bytes;
+}
+
+// ---------------------------------------------------------------------------------------------------- opening
+
+Result<std::shared_ptr<WorldFolder>> WorldFolder::open(const std::string& folder, Ground& ground,
+                                                       const WorldOptions& options, RecoveredWorld& recovered) {
+    recovered = {};
+    auto impl = std::make_unique<Impl>();
+    impl->folder = folder;
+    while (impl->folder.size() > 1 && impl->folder.ends_with('/')) impl->folder.pop_back();
+    impl->files = options.files != nullptr ? options.files : &system_files();
+    impl->options = options;
+    if (const Result<void> made = make_durable_folder(*impl->files, impl->folder); !made) return made.error();
+    auto lock = impl->files->lock(impl->folder + "/lock");
+    if (!lock) return lock.error();
+    impl->lock = std::move(*lock);
+
+    auto identity = identity_in(*impl->files, impl->folder, ground, options.heights, recovered.is_new);
+    if (!identity) return identity.error();
+    impl->identity = std::move(*identity);
+    const auto shapes = read_shapes(*impl->files, impl->folder, impl->identity.salt, ground.shapes());
+    if (!shapes) return shapes.error();
+    impl->kept_shapes = *shapes;
+    if (const Result<void> opened = impl->open_stores(ground, recovered); !opened) return opened.error();
+    return std::shared_ptr<WorldFolder>(new WorldFolder(std::move(impl)));
+}
+
+Result<void> WorldFolder::Impl::open_stores(Ground& ground, RecoveredWorld& recovered) {
+    blobs = options.blobs;
+    LogStoreReport store_report;
+    if (blobs == nullptr) {
+        auto store = LogStore::open(*files, folder, identity.salt, options.log, store_report);
+        if (!store) return store.error();
+        blobs = std::move(*store);
+    }
+    committed = blobs->mark();
+    JournalReport journal_report;
+    auto opened =
+        Journal::open(*files, folder, identity.salt, committed, options.flush, journal_report, recovered.tail);
+    if (!opened) return opened.error();
+    journal = std::move(*opened);
+    recovered.reports = std::move(journal_report.damage);
+    std::vector<Error> lost_blobs = std::move(store_report.damage);
+    if (!store_report.may_miss_blobs)
+        recovered.reports.insert(recovered.reports.end(), lost_blobs.begin(), lost_blobs.end()), lost_blobs.clear();
+
+    const GroundSettings& settings = ground.settings();
+    const MapGeometry &coarse = ground.map(MapKind::Coarse), &detail = ground.map(MapKind::Detail);
+    pages.emplace(*blobs, folder, settings.tile_size, coarse, ground.original_codes());
+    repair.emplace(WorldRepair::Place{.files = files,
+                                      .folder = folder,
+                                      .salt = identity.salt,
+                                      .coarse = coarse,
+                                      .detail = detail,
+                                      .tiles = {.size = settings.tile_size, .map = detail.grid.rect()},
+                                      .original = ground.original_codes()},
+                   *journal);
+    if (const Result<void> read = pages->read_keys(); !read) return read;
+    WorldRecovery recovery(*blobs, *pages, *repair, folder, settings.precision);
+    if (const Result<void> run = recovery.run(lost_blobs, recovered); !run) return run;
+    stroke_parts = recovery.stroke_parts();
+    waiting = recovered.waiting;
+    for (const auto& [tile, stamps] : waiting) waiting_tiles.insert(tile);
+    repair->forget();
+    note_sizes();
+    return {};
+}
+
+// ---------------------------------------------------------------------------------------------------- the journal
+
+Result<void> WorldFolder::keep_shape(ShapeId id, const Shape& shape) {
+    if (id.value < impl_->kept_shapes) return {};
+    if (id.value != impl_->kept_shapes)
+        return Error{ErrorCode::InvalidArgument, text("shape: ", id.value, " ('", shape.name,
+                                                      "') cannot be kept before shape ", impl_->kept_shapes)};
+    const Result<void> written = write_shape(*impl_->files, impl_->folder, impl_->identity.salt, id, shape);
+    if (written) ++impl_->kept_shapes;
+    return written;
+}
+
+std::uint64_t WorldFolder::append(const Edit& edit) { return impl_->journal->append(edit); }
+Result<void> WorldFolder::flush() { return impl_->journal->flush(); }
+std::uint64_t WorldFolder::appended() const { return impl_->journal->appended(); }
+std::uint64_t WorldFolder::durable() const { return impl_->journal->durable(); }
+std::uint64_t WorldFolder::committed() const { return impl_->committed; }
+Result<std::vector<Edit>> WorldFolder::read_edits(std::uint64_t first, std::uint64_t last) {
+    return impl_->journal->read(first, last);
+}
+std::uint64_t WorldFolder::first_edit() const { return impl_->journal->first(); }
+
+// ---------------------------------------------------------------------------------------------------- tiles
+
+Result<std::vector<TileIndex>> WorldFolder::tiles() {
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return usable.error();
+    const std::vector<TileIndex> with_pages = impl_->pages->tiles();
+    std::set<TileIndex> all(with_pages.begin(), with_pages.end());
+    all.insert(impl_->waiting_tiles.begin(), impl_->waiting_tiles.end());
+    return std::vector<TileIndex>(all.begin(), all.end());
+}
+
+Result<std::vector<Page>> WorldFolder::load(TileIndex tile, const PageRect& pages) {
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return usable.error();
+    if (impl_->pages->is_torn(tile))
+        return Error{ErrorCode::FileRead, text(impl_->folder, ": tile (", tile.x, ", ", tile.z,
+                                               ") was saved in part, for an error; save it again")};
+    auto found = impl_->pages->load(tile, pages);
+    if (!found) return found.error();
+    if (!found->damaged.empty())
+        if (const Result<void> repaired = impl_->repair_pages(tile, found->damaged, found->pages); !repaired)
+            return repaired.error();
+    return std::move(found->pages);
+}
+
+/// A page that the last commit left as it is now can be made again as of that commit: what did not wait then was
+/// applied.
+Result<void> WorldFolder::Impl::repair_pages(TileIndex tile, std::map<PageIndex, Error>& damaged,
+                                             std::vector<Page>& found) {
+    std::set<PageIndex> wanted;
+    for (const auto& [page, error] : damaged)
+        if (!pages->is_pending(page)) wanted.insert(page);
+    std::vector<WaitingStamp> left_out;
+    if (const auto stamps = waiting.find(tile); stamps != waiting.end()) left_out = stamps->second;
+    auto rebuilt = wanted.empty() ? Result<std::vector<Page>>(std::vector<Page>())
+                                  : repair->pages(committed, MapKind::Detail, wanted, left_out);
+    for (const auto& [page, error] : damaged) {
+        if (!reported.insert(page).second) continue;
+        const std::string outcome = !wanted.contains(page) ? "lost, it was not yet committed; it reads as untouched"
+                                    : rebuilt              ? "rebuilt from the journal"
+                                                           : "lost, it reads as untouched: " + rebuilt.error().message;
+        report({error.code, text(error.message, "; ", outcome)});
+    }
+    if (!rebuilt) return {};
+    for (Page& page : *rebuilt) {
+        // Where the disk does not take it, it is made again next time.
+        if (const Result<void> put = pages->replace(MapKind::Detail, page); !put) report(put.error());
+        found.push_back(std::move(page));
+    }
+    return {};
+}
+
+Result<void> WorldFolder::save(TileIndex tile, std::span<const Page> pages) {
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return usable;
+    const Result<void> saved = impl_->pages->save(tile, pages);
+    impl_->note_sizes();
+    return saved;
+}
+
+// ---------------------------------------------------------------------------------------------------- commits
+
+Result<void> WorldFolder::commit(const Snapshot& snapshot) {
+    if (const Result<void> flushed = impl_->journal->flush(); !flushed) return flushed;
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return usable;
+    const Result<void> written = impl_->write(snapshot);
+    impl_->note_sizes();
+    if (!written) return written;
+
+    impl_->committed = snapshot.edits;
+    impl_->pages->committed();
+    impl_->repair->forget();
+    for (const TileSnapshot& tile : snapshot.tiles)
+        if (tile.waiting.empty())
+            impl_->waiting.erase(tile.tile);
+        else
+            impl_->waiting[tile.tile] = tile.waiting;
+    // The world is safe from here on: trouble with old files is told, not returned.
+    const Result<void> released = impl_->journal->release(snapshot.edits, impl_->options.keep_journal_bytes);
+    if (!released) impl_->report(released.error());
+    impl_->keep_to_budget(snapshot.edits);
+    return {};
+}
+
+Result<void> WorldFolder::Impl::write(const Snapshot& snapshot) {
+    for (const Page& page : snapshot.coarse)
+        if (const Result<void> saved = pages->save_coarse(page); !saved) return saved;
+    for (const TileSnapshot& tile : snapshot.tiles) {
+        if (tile.has_codes)
+            if (const Result<void> saved = pages->save(tile.tile, tile.pages); !saved) return saved;
+        if (const Result<void> written = write_waiting(tile); !written) return written;
+    }
+    if (const auto torn = pages->torn())
+        return Error{ErrorCode::FileWrite, text(folder, ": tile (", torn->x, ", ", torn->z,
+                                                ") was saved in part, for an error; the snapshot must have it again")};
+    if (const Result<void> written = write_history(snapshot); !written) return written;
+    return blobs->commit(snapshot.edits);
+}
+
+Result<void> WorldFolder::Impl::write_waiting(const TileSnapshot& tile) {
+    const BlobKey key = key_of_waiting(tile.tile);
+    if (!tile.waiting.empty()) {
+        waiting_tiles.insert(tile.tile);
+        return blobs->put(key, encode_waiting(tile.waiting));
+    }
+    if (!waiting_tiles.contains(tile.tile)) return {};
+    if (const Result<void> erased = blobs->erase(key); !erased) return erased;
+    waiting_tiles.erase(tile.tile);
+    return {};
+}
+
+Result<void> WorldFolder::Impl::write_history(const Snapshot& snapshot) {
+    const HistorySnapshot& history = snapshot.history;
+    for (const Stroke& stroke : history.changed) {
+        const auto parts = encode_stroke(stroke, identity.settings.precision);
+        std::uint32_t& known = stroke_parts[stroke.number];
+        known = std::max(known, static_cast<std::uint32_t>(parts.size()));
+        for (std::uint32_t i = 0; i < parts.size(); ++i)
+            if (const Result<void> put = blobs->put(key_of_stroke(stroke.number, i), parts[i]); !put) return put;
+    }
+    std::set<std::uint64_t> listed(history.done.begin(), history.done.end());
+    listed.insert(history.undone.begin(), history.undone.end());
+    for (auto stroke = stroke_parts.begin(); stroke != stroke_parts.end();) {
+        if (listed.contains(stroke->first)) {
+            ++stroke;
+            continue;
+        }
+        for (; stroke->second > 0; --stroke->second)
+            if (const Result<void> erased = blobs->erase(key_of_stroke(stroke->first, stroke->second - 1)); !erased)
+                return erased;
+        stroke = stroke_parts.erase(stroke);
+    }
+    return blobs->put(kCountersKey, encode_counters({.next_sequence = snapshot.next_sequence,
+                                                     .next_stroke = history.next_number,
+                                                     .done = history.done,
+                                                     .undone = history.undone}));
+}
+
+void WorldFolder::Impl::keep_to_budget(std::uint64_t edits) {
+    const std::uint64_t most = options.most_disk_bytes;
+    if (most == 0) return;
+    if (const std::uint64_t now = disk_bytes(); now > most) {
+        const std::uint64_t journal_now = journal->disk_bytes(), over = now - most;
+        const Result<void> released = journal->release(edits, journal_now > over ? journal_now - over : 0);
+        if (!released) report(released.error());
+    }
+    while (disk_bytes() > most) {
+        const auto more = blobs->compact(kCompactionStep);
+        note_sizes();
+        if (!more) report(more.error());
+        if (!more || !*more) break;
+    }
+    const bool was_over = std::exchange(is_over_budget, disk_bytes() > most);
+    if (is_over_budget && !was_over)
+        report(
+            {ErrorCode::FileWrite, text(folder, ": the world has ", disk_bytes(), " bytes on disk (journal ",
+                                        journal->disk_bytes(), ", pages ", page_bytes.load(), ", of which ",
+                                        live_page_bytes.load(), " are in use), and most_disk_bytes is ", most,
+                                        "; nothing is dropped for space: raise the bound, or keep less undo history")});
+}
+
+Result<bool> WorldFolder::compact(std::uint64_t most_bytes) {
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return usable.error();
+    auto more = impl_->blobs->compact(most_bytes);
+    impl_->note_sizes();
+    return more;
+}
+
+// ---------------------------------------------------------------------------------------------------- state
+
+WorldFolder::Size WorldFolder::size() const {
+    return {.journal_bytes = impl_->journal->disk_bytes(),
+            .page_bytes = impl_->page_bytes,
+            .live_page_bytes = impl_->live_page_bytes};
+}
+
+std::vector<Error> WorldFolder::verify() {
+    const std::lock_guard guard(impl_->blobs_mutex);
+    if (const Result<void> usable = impl_->usable(); !usable) return {usable.error()};
+    return verify_world({.files = impl_->files,
+                         .folder = impl_->folder,
+                         .salt = impl_->identity.salt,
+                         .blobs = impl_->blobs.get(),
+                         .pages = &*impl_->pages,
+                         .journal = impl_->journal.get()});
+}
+
+std::vector<Error> WorldFolder::take_errors() {
+    std::vector<Error> taken = impl_->journal->take_errors();
+    const std::lock_guard guard(impl_->errors_mutex);
+    taken.insert(taken.end(), impl_->errors.begin(), impl_->errors.end());
+    impl_->errors.clear();
+    return taken;
+}
+
+const WorldIdentity& WorldFolder::identity() const { return impl_->identity; }
+const std::string& WorldFolder::folder() const { return impl_->folder; }
+
+void WorldFolder::abandon() {
+    impl_->journal->abandon();
+    const std::lock_guard guard(impl_->blobs_mutex);
+    impl_->repair.reset();
+    impl_->pages.reset();
+    impl_->blobs.reset();
+    impl_->lock.reset();
+}
+
+}  // namespace tilth
