@@ -34,6 +34,7 @@ struct Sight {
     std::int32_t failed = 0;   ///< blobs that were an error
     std::int32_t missing = 0;  ///< blobs that are not there, and no error
     std::int32_t wrong = 0;    ///< other bytes than were ever put, and no error
+    std::int32_t passed = 0;   ///< of those, the ones whose page decodes, as another page
     std::int32_t old = 0;      ///< the bytes of the first version, and no error
 };
 
@@ -52,8 +53,11 @@ Sight look(const Engine& engine, const std::string& folder, const std::vector<Bl
             ++sight.missing;
         else if (**got == first[page])
             ++sight.old;
-        else if (**got != second[page])
+        else if (**got != second[page]) {
             ++sight.wrong;
+            const auto codes = decode_page(**got, "page");
+            sight.passed += codes && **codes != *value(decode_page(second[page], "page"));
+        }
     }
     return sight;
 }
@@ -127,7 +131,7 @@ void damage(benchmark::State& state, std::size_t which, Damage kind) {
     for (const FileCopy& file : files) bytes += file.bytes.size();
     std::mt19937_64 random(1);
     double harmless = 0, said_only = 0, one = 0, several = 0, shut = 0, fell = 0, lost = 0, missing = 0, wrong = 0,
-           old = 0;
+           old = 0, passed = 0;
     for (auto _ : state) {
         const Sight whole = look_apart(engine, folder.path() / "whole", first, second).value_or(Sight{});
         if (whole.opened != 1 || whole.failed + whole.missing + whole.wrong + whole.old > 0) {
@@ -166,6 +170,7 @@ void damage(benchmark::State& state, std::size_t which, Damage kind) {
                 missing += 1;
             }
             wrong += sight->wrong > 0;
+            passed += sight->passed;
             old += sight->old > 0 && sight->said == 0 && sight->failed == 0;
             harmless += gone + sight->wrong + sight->old + sight->said == 0;
         }
@@ -179,6 +184,7 @@ void damage(benchmark::State& state, std::size_t which, Damage kind) {
     state.counters["blobs_lost"] = lost;
     state.counters["would_not_open"] = shut;
     state.counters["silently_wrong"] = wrong;
+    state.counters["wrong_and_decodes"] = passed;
     state.counters["silently_missing"] = missing;
     state.counters["silently_old"] = old;
     state.counters["crash_or_hang"] = fell;

@@ -69,8 +69,22 @@ Result<void> CoarseStage::apply(std::span<const GroundEdit> edits, gl::FrameStat
         draw(stats);
     }
     upload(stats);
+    if (changes_ != nullptr)
+        changes_->finish(MapKind::Coarse, [&](const Change& change) {
+            return deformer_ ? bounds_.query(change.rect) : range_in(ground_.coarse(), change.rect);
+        });
     derive(stats);
     return std::exchange(outcome_, {});
+}
+
+/// Before it is applied. `ahead`: the ground's codes may be out of date.
+void CoarseStage::note_change(const GroundEdit& edit, bool ahead) {
+    if (changes_ == nullptr) return;
+    for (const ChangedRect& changed : changed_by(ground_, edit))
+        if (changed.map == MapKind::Coarse)
+            changes_->note(MapKind::Coarse, {}, changed.rect,
+                           ahead ? bounds_.query(changed.rect) : range_in(ground_.coarse(), changed.rect),
+                           changed.sequence, changed.sequence);
 }
 
 StampRange CoarseStage::range_of(const PreparedStamp& stamp) const {
@@ -101,8 +115,7 @@ void CoarseStage::queue(const GroundEdit& edit, gl::FrameStats& stats) {
     const bool undoable = edit.stroke != nullptr && !edit.stroke->forgotten;
     if (undoable && (range.may_saturate || stamp.prepared.rule() != StampRule::Add)) {
         bool lacks = false;
-        for_each_page(pages_of(rect),
-                      [&](PageIndex page) { lacks = lacks || !edit.stroke->coarse.contains(page); });
+        for_each_page(pages_of(rect), [&](PageIndex page) { lacks = lacks || !edit.stroke->coarse.contains(page); });
         if (lacks) {
             draw(stats);
             if (std::any_of(newer_.begin(), newer_.end(),
@@ -114,6 +127,7 @@ void CoarseStage::queue(const GroundEdit& edit, gl::FrameStats& stats) {
             keep_images(edit, stamp.prepared, ground_.coarse(), map(), ground_.shapes());
         }
     }
+    note_change(edit, true);
     stamp.may_saturate = range.may_saturate;
     bounds_.widen_by(rect, range.min, range.max);
     batch_.push_back(stamp);
@@ -144,6 +158,7 @@ void CoarseStage::draw(gl::FrameStats& stats) {
 
 /// The ground's codes are current.
 void CoarseStage::apply_on_cpu(const GroundEdit& edit, gl::FrameStats& stats) {
+    note_change(edit, false);
     const ApplyResult result = apply_edit(ground_, MapKind::Coarse, edit);
     stats.deform.texels += result.texels;
     stats.deform.saturated += result.saturated;

@@ -12,6 +12,7 @@
 #include "tilth/gl/device.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/gl/shader_library.h"
+#include "tilth/ground/change_set.h"
 #include "tilth/ground/ground.h"
 #include "tilth/ground/stamp_range.h"
 #include "tilth/ground/undo_history.h"
@@ -32,9 +33,9 @@ public:
                                                        const TerrainSettings& settings, ExecutorKind executor,
                                                        gl::FrameStats& stats);
 
-    /// Applies edits of the coarse map in order, then slopes and mips over what changed. Undo, and what the GPU refuses,
-    /// is done by the CPU, waits where the GPU is ahead, and counts as a fallback there. Fails with the GPU's error;
-    /// every edit is applied all the same.
+    /// Applies edits of the coarse map in order, then slopes and mips over what changed. Undo, and what the GPU
+    /// refuses, is done by the CPU, waits where the GPU is ahead, and counts as a fallback there. Fails with the GPU's
+    /// error; every edit is applied all the same.
     Result<void> apply(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     /// The ground's codes become those of the planes. Waits.
     void read_back(gl::FrameStats& stats);
@@ -44,6 +45,8 @@ public:
         if (deformer_) deformer_->collect(deform);
     }
     Result<void> reload(gl::ShaderLibrary& shaders);
+    /// What the last `apply` changed goes here, if anywhere.
+    void publish_to(ChangeSet* changes) { changes_ = changes; }
 
     /// With executor gpu, shared with the detail map; else nullptr.
     [[nodiscard]] Deformer* deformer() { return deformer_ ? &*deformer_ : nullptr; }
@@ -58,6 +61,7 @@ private:
     [[nodiscard]] SlopeSettings slope_settings() const;
     [[nodiscard]] const MapGeometry& map() const { return ground_.map(MapKind::Coarse); }
     [[nodiscard]] StampRange range_of(const PreparedStamp& stamp) const;
+    void note_change(const GroundEdit& edit, bool ahead);
     void look_before_saturating(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     void queue(const GroundEdit& edit, gl::FrameStats& stats);
     void draw(gl::FrameStats& stats);
@@ -80,6 +84,7 @@ private:
     std::vector<TexelRect> stale_;    ///< where the planes are behind the ground's codes
     std::vector<TexelRect> changed_;  ///< of this call: where slopes are out of date
     Result<void> outcome_;
+    ChangeSet* changes_ = nullptr;
 };
 
 }  // namespace tilth

@@ -73,7 +73,8 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
                           {.band = tiles.band,
                            .gpu_executor = deformer != nullptr,
                            .most_tiles = most_tiles,
-                           .bytes_a_texel = texel_bytes});
+                           .bytes_a_texel = texel_bytes,
+                           .publish_changes = settings.publish_changes});
     if (!cache) return cache.error();
     made->cache_ = std::move(*cache);
     const GridSpec& posts = ground.map(MapKind::Coarse).grid;

@@ -48,10 +48,6 @@ CodeBounds::Range range_of(const CodeView& codes, const TexelRect& rect) {
     return range;
 }
 
-CodeBounds::Range range_of(const PageCodes& codes, const TexelRect& page, const TexelRect& rect) {
-    return range_of(CodeView(codes.data(), kPageTexels, page), rect);
-}
-
 }  // namespace
 
 GpuTiles::GpuTiles(gl::Device& device, gl::ShaderLibrary& shaders, Deformer* deformer, gl::TextureCopy copy,
@@ -203,8 +199,7 @@ void GpuTiles::note_codes(Tile& filled, const TexelRect& part, const DetailField
     for_each_page(pages_of(part), [&](PageIndex at) {
         const TexelRect page = texels_of(at), here = intersection(page, part);
         const PageCodes* codes = field.find(at);
-        filled.bounds.put(here,
-                          codes == nullptr ? CodeBounds::Range{kMidCode, kMidCode} : range_of(*codes, page, here));
+        filled.bounds.put(here, range_in(codes, at, here));
     });
     if (filled.reading) filled.reading->stamped_since = bounds_of(filled.reading->stamped_since, part);
 }

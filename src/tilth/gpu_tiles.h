@@ -63,6 +63,9 @@ public:
                        std::size_t& applied) override;
     [[nodiscard]] std::size_t first_that_may_saturate(std::span<const PreparedStamp> stamps,
                                                       std::span<const TileIndex> tiles) const override;
+    [[nodiscard]] CodeRange bounds(TileIndex index, const TexelRect& rect) const override {
+        return tile(index).bounds.query(rect);
+    }
     void exchange(TileIndex from, TileIndex to, const TexelRect& rect) override;
     bool begin_read_back(TileIndex tile, std::span<const TexelRect> rects) override;
     /// Slices that found no slot in `begin_read_back` are begun here: their codes are those of that moment.

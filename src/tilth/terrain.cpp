@@ -46,6 +46,8 @@ struct Terrain::Impl {
     std::optional<GpuStages> gpu;
     std::unique_ptr<WorldStage> world;  ///< worlds on disk
     gl::FrameStats frame, before;       ///< the current frame; all frames before it
+    ChangeSet changes;                  ///< of the current frame; of the detail map only where all of it is in memory
+    std::vector<Change> published;
 
     Result<void> create_gpu(gl::GetProc get_proc);
     Result<void> choose_executor();
@@ -55,6 +57,7 @@ struct Terrain::Impl {
     Result<void> recover(RecoveredWorld& recovered);
 
     Result<void> apply_queue(gl::FrameStats& stats);
+    void publish();
     Result<void> apply_detail(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     Result<void> apply_coarse(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     void apply_to_ground(MapKind map, std::span<const GroundEdit> edits, gl::FrameStats& stats);
@@ -122,6 +125,7 @@ Result<void> Terrain::Impl::create_stages() {
         CoarseStage::create(device, *gpu->shaders, *ground, settings, executor, before);
     if (!coarse) return coarse.error();
     gpu->coarse = std::move(*coarse);
+    if (settings.publish_changes) gpu->coarse->publish_to(&changes);
 
     const MapInfo info{.grid = {.origin = map.grid.origin,
                                 .spacing_m = map.grid.spacing_m,
@@ -182,9 +186,10 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
     if (!ground) return ground.error();
     impl->ground = std::move(*ground);
     if (settings.tiles.store && !settings.world.folder.empty())
-        return Error{ErrorCode::InvalidArgument,
-                     "tiles.store: a world's folder keeps its own tiles; leave one of the two out (a store for worlds is "
-                     "world.options.blobs)"};
+        return Error{
+            ErrorCode::InvalidArgument,
+            "tiles.store: a world's folder keeps its own tiles; leave one of the two out (a store for worlds is "
+            "world.options.blobs)"};
     if (settings.world.snapshot_edits == 0)
         return Error{ErrorCode::InvalidArgument, "world.snapshot_edits: 0 is not at least 1"};
     if (get_proc == nullptr && settings.tiles.store)
@@ -201,8 +206,7 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
                      "executor: gpu needs a GL context; pass its get-proc function, or take cpu"};
     }
     if (impl->editor->world() != nullptr) {
-        const Result<void> recovering =
-            impl->guarded("tilth: open world", [&] { return impl->recover(recovered); });
+        const Result<void> recovering = impl->guarded("tilth: open world", [&] { return impl->recover(recovered); });
         if (!recovering) return recovering.error();
     }
     return std::unique_ptr<Terrain>(new Terrain(std::move(impl)));
@@ -238,9 +242,22 @@ Result<void> Terrain::update(double /*dt_s*/) {
     }
     if (detail != nullptr) detail->begin(impl.frame);
     Result<void> applied = impl.apply_queue(impl.frame);
+    impl.publish();
     if (detail != nullptr) detail->transfer(impl.frame);
     if (impl.world) impl.world->update(impl.frame);
     return applied;
+}
+
+const std::vector<Change>& Terrain::changes() const { return impl_->published; }
+
+void Terrain::Impl::publish() {
+    if (!settings.publish_changes) return;
+    published = changes.changes();
+    changes.clear();
+    if (!gpu || !gpu->detail) return;
+    const std::vector<Change>& of_tiles = gpu->detail->cache().changes().changes();
+    published.insert(published.end(), of_tiles.begin(), of_tiles.end());
+    gpu->detail->cache().forget_changes();
 }
 
 Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
@@ -275,11 +292,27 @@ Result<void> Terrain::Impl::apply_coarse(std::span<const GroundEdit> edits, gl::
 
 void Terrain::Impl::apply_to_ground(MapKind map, std::span<const GroundEdit> edits, gl::FrameStats& stats) {
     const gl::StageClock clock(stats.deform);
+    const TileGrid grid{.size = settings.ground.tile_size, .map = ground->map(MapKind::Detail).grid.rect()};
+    const auto range = [&](const TexelRect& rect) {
+        return map == MapKind::Coarse ? range_in(ground->coarse(), rect) : range_in(ground->detail(), rect);
+    };
+    const auto note = [&](const ChangedRect& changed) {
+        if (changed.map == MapKind::Coarse)
+            return changes.note(map, {}, changed.rect, range(changed.rect), changed.sequence, changed.sequence);
+        for_each_tile(tiles_of(grid, changed.rect), [&](TileIndex tile) {
+            const TexelRect part = intersection(changed.rect, grid.inside(tile));
+            changes.note(map, tile, part, range(part), changed.sequence, changed.sequence);
+        });
+    };
     for (const GroundEdit& edit : edits) {
+        if (settings.publish_changes)
+            for (const ChangedRect& changed : changed_by(*ground, edit))
+                if (changed.map == map) note(changed);
         const ApplyResult result = apply_edit(*ground, map, edit);
         stats.deform.texels += result.texels;
         stats.deform.saturated += result.saturated;
     }
+    changes.finish(map, [&](const Change& change) { return range(change.rect); });
 }
 
 void Terrain::Impl::read_back(gl::FrameStats& stats) {

@@ -15,6 +15,7 @@
 #include "tilth/derive/slope_rects.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/gl/get_proc.h"
+#include "tilth/ground/change_set.h"
 #include "tilth/ground/ground.h"
 #include "tilth/pool/slope_map.h"
 #include "tilth/render/view.h"
@@ -63,6 +64,8 @@ struct TerrainSettings {
     WorldSettings world;
     /// Memory for undo, see `UndoHistory`; 0: no undo, and no cost.
     std::uint64_t undo_bytes = 0;
+    /// `changes` tells what each frame changed: costs a look at the texels of its stamps.
+    bool publish_changes = false;
     ExecutorKind executor = ExecutorKind::Automatic;
     SlopeFormat slopes = SlopeFormat::rg8;
     SlopeStencil stencil = SlopeStencil::Central;
@@ -148,7 +151,8 @@ public:
     /// Waits until the pages on disk are those of the ground now, so that opening the world replays nothing. Fails like
     /// `drain`, and when the disk refuses: nothing is lost then, the journal has it.
     Result<void> save();
-    /// The same in the background, of the state after the next `update`. Errors come by `take_errors`; it is tried again.
+    /// The same in the background, of the state after the next `update`. Errors come by `take_errors`; it is tried
+    /// again.
     void begin_save();
     [[nodiscard]] bool is_saving() const;
     /// Empty without a world on disk.
@@ -183,6 +187,11 @@ public:
     /// exceeds what the GPU can hold. Nothing is lost: those stamps are applied by the CPU executor and count as
     /// fallbacks.
     Result<void> update(double dt_s);
+
+    /// What the last `update` changed on both maps, with `publish_changes`; for physics (bounds to widen, bodies to
+    /// wake), navigation, plants. A stamp on a detail tile that is not in memory counts when it is issued; `smooth` and
+    /// undo when they are done, which for them may be some frames later.
+    [[nodiscard]] const std::vector<Change>& changes() const;
 
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound
     /// a complete one with a depth attachment and cleared both (depth to 1, or 0 with `DepthConvention::Reversed`);

@@ -66,7 +66,8 @@ std::optional<std::vector<TileSnapshot>> WorldStage::take_tiles(gl::FrameStats& 
     std::vector<TileSnapshot> tiles;
     const TileGrid grid{.size = ground_.settings().tile_size};
     for (const TileIndex tile : std::exchange(changed_tiles_, {}))
-        tiles.push_back({.tile = tile, .has_codes = true, .pages = ground_.detail().pages_in(pages_of(grid.interior(tile)))});
+        tiles.push_back(
+            {.tile = tile, .has_codes = true, .pages = ground_.detail().pages_in(pages_of(grid.interior(tile)))});
     return tiles;
 }
 
@@ -167,7 +168,8 @@ Result<void> WorldStage::save(gl::FrameStats& stats) {
     if (writing_ != nullptr) wait(std::shared_ptr<DiskRequest>(writing_));
     retry_at_ms_ = 0;
     if (!begin(stats))
-        return Error{ErrorCode::FileRead, "save: edits wait for detail tiles that the store cannot give; see take_errors"};
+        return Error{ErrorCode::FileRead,
+                     "save: edits wait for detail tiles that the store cannot give; see take_errors"};
     wait(std::shared_ptr<DiskRequest>(writing_));
     return outcome_;
 }

@@ -23,13 +23,13 @@ namespace tilth {
 /// Keeps a terrain's world folder up to date in the background.
 ///
 /// A snapshot is due when the host asks for one, or when the journal holds `snapshot_edits` edits more than the pages.
-/// It is taken at the end of a frame: codes are shared (a page is copied when it is next written), the coarse pages that
-/// changed are copied. The disk worker then writes and commits it, and gives disk space back in steps.
-/// Thread: the one that owns the context. GL state: the caller holds a `gl::StateGuard` where there is a context.
+/// It is taken at the end of a frame: codes are shared (a page is copied when it is next written), the coarse pages
+/// that changed are copied. The disk worker then writes and commits it, and gives disk space back in steps. Thread: the
+/// one that owns the context. GL state: the caller holds a `gl::StateGuard` where there is a context.
 class WorldStage {
 public:
-    /// All outlive it. `coarse` and `detail` are nullptr without GL (`detail` also in a world without a detail map): then
-    /// all of the map is in `ground`.
+    /// All outlive it. `coarse` and `detail` are nullptr without GL (`detail` also in a world without a detail map):
+    /// then all of the map is in `ground`.
     WorldStage(Ground& ground, Editor& editor, const WorldSettings& settings, CoarseStage* coarse, DetailStage* detail);
 
     /// Without a cache: puts all tiles of the world into the ground, and the stamps that waited for them.
@@ -65,15 +65,15 @@ private:
     DetailStage* detail_;
     std::unique_ptr<DiskWorker> worker_;  ///< where there is no cache, which has one
     std::set<PageIndex> changed_coarse_;
-    std::set<TileIndex> changed_tiles_;  ///< where all of the map is in the ground
-    std::shared_ptr<Snapshot> snapshot_;     ///< that is being written
-    std::shared_ptr<DiskRequest> writing_;   ///< its request
+    std::set<TileIndex> changed_tiles_;     ///< where all of the map is in the ground
+    std::shared_ptr<Snapshot> snapshot_;    ///< that is being written
+    std::shared_ptr<DiskRequest> writing_;  ///< its request
     std::shared_ptr<DiskRequest> compacting_;
     std::shared_ptr<bool> more_to_compact_ = std::make_shared<bool>(false);
     std::vector<Error> errors_;
     Result<void> outcome_;  ///< of the last snapshot
     bool asked_ = false, reported_ = false;
-    int preparing_ = 0;     ///< frames since read-backs for a snapshot were begun
+    int preparing_ = 0;  ///< frames since read-backs for a snapshot were begun
     double retry_at_ms_ = 0;
 };
 

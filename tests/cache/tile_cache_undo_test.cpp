@@ -14,7 +14,8 @@ constexpr std::uint64_t kPlenty = 1u << 30;
 CacheWorldSettings undoable(bool gpu, std::uint64_t seed) {
     CacheWorldSettings settings{.seed = seed, .undo_bytes = kPlenty};
     settings.cache.gpu_executor = gpu;
-    settings.trouble = {.acquire_refused = 7, .fill_refused = 5, .read_back_refused = 4, .read_back_lost = 6, .stamp_fails = 9};
+    settings.trouble = {
+        .acquire_refused = 7, .fill_refused = 5, .read_back_refused = 4, .read_back_lost = 6, .stamp_fails = 9};
     return settings;
 }
 
@@ -138,7 +139,8 @@ TEST(TileCacheUndo, AFailingStoreDelaysUndoAndLosesNothing) {
     CacheWorld world(settings);
     const PostPos here{32, 32}, far{600, 600};
     const DetailField untouched = world.truth->detail();
-    world.stamp({.centre = world.at(600, 600), .radius_m = 10 * world.texel_m(), .amplitude_m = 0.1, .rule = StampRule::Max});
+    world.stamp(
+        {.centre = world.at(600, 600), .radius_m = 10 * world.texel_m(), .amplitude_m = 0.1, .rule = StampRule::Max});
     world.frame(far);
     leave(world, {9, 9}, here);
     ASSERT_EQ(world.cache->state({9, 9}), TileState::Absent);
@@ -165,7 +167,8 @@ TEST(TileCacheUndo, WithTheGpuExecutorPlainStampsKeepNoImagesAndReadNothingBack)
     world.frame(here);
     const DetailField before = world.truth->detail();
     for (int i = 0; i < 200; ++i)
-        world.stamp({.centre = world.at(100 + i % 20, 100), .radius_m = 8 * world.texel_m(), .amplitude_m = -0.01}, i == 0);
+        world.stamp({.centre = world.at(100 + i % 20, 100), .radius_m = 8 * world.texel_m(), .amplitude_m = -0.01},
+                    i == 0);
     world.frame(here);
     EXPECT_EQ(world.deform.fallbacks, 0u);
     EXPECT_EQ(world.textures.passes(), 1u) << "one batch";

@@ -1,5 +1,6 @@
 // Files that rotted, were cut short or forged: what comes back is what was put, or an error that says where.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 
@@ -309,8 +310,16 @@ TEST(LogStoreParser, ForeignNewerAndOtherWorldsFilesAreRefusedUntouched) {
     EXPECT_TRUE(opened.report.damage.empty()) << "the header was written again";
 }
 
+/// The most memory that this process ever used.
+std::uint64_t peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
 // Checksums that fit, sizes that do not: nothing is allocated, nothing is believed.
 TEST(LogStoreParser, ForgedSizesAreRefused) {
+    const std::uint64_t peak = peak_bytes();
     const FileTag tag{kSalt, 1};
     const auto file_with = [&](const FrameHeader& header, Bytes payload, const Superblock& superblock) {
         Bytes file = encode_empty_file(tag);
@@ -373,6 +382,7 @@ TEST(LogStoreParser, ForgedSizesAreRefused) {
         commit.blobs = 1;
         expect_nothing(file_with(of_it, payload, commit));
     }
+    EXPECT_LT(peak_bytes(), peak + (512u << 20)) << "4 GiB were asked for, and given";
 }
 
 TEST(LogStoreParser, ALaterFileWithoutACommitIsTheRestOfACrash) {

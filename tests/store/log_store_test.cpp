@@ -144,8 +144,10 @@ TEST(LogStore, PutThatFailsLeavesTheOldBlob) {
     const BlobKey key{BlobKind::DetailPage, 1, 2};
     ASSERT_TRUE(worker.put(key, 1000));
     ASSERT_TRUE(worker.commit());
+    const std::uint64_t disk_bytes = worker.store().size().disk_bytes;
     disk.fail_at(1, Fault::NoSpace);
     EXPECT_FALSE(worker.put(key, 2'000'000)) << "larger than what is kept for later";
+    EXPECT_EQ(worker.store().size().disk_bytes, disk_bytes) << "nothing of it stays";
     worker.expect_visible();
     EXPECT_EQ(worker.store().mark_of(key), std::optional(worker.last().mark));
     // What waits in memory is bounded: sooner or later puts fail, too.

@@ -223,13 +223,11 @@ bool live(SavedGround& world, EditScript& script) {
         all_well = test::advance(world, script, world.world().appended() + count) && all_well;
         all_well = world.flush().ok() && all_well;
     };
-    do_edits(5);
-    all_well = world.save().ok() && all_well;
-    do_edits(6);
-    all_well = world.save().ok() && all_well;
-    for (int i = 0; i < 3; ++i) all_well = world.world().compact(64u << 10).ok() && all_well;
-    do_edits(5);
-    all_well = world.save().ok() && all_well;
+    for (int round = 0; round < 4; ++round) {
+        do_edits(5);
+        all_well = world.save().ok() && all_well;
+        for (int i = 0; i < 3; ++i) all_well = world.world().compact(16u << 10).ok() && all_well;
+    }
     do_edits(2);
     return all_well;
 }
@@ -244,6 +242,7 @@ std::uint64_t operations_of_a_life(const ScriptWorld& made) {
     EXPECT_TRUE(world);
     EditScript script(7);
     EXPECT_TRUE(live(**world, script));
+    EXPECT_FALSE(disk.exists("world/pages-1.tlp")) << "it was compacted";
     return disk.counts().operations;
 }
 
@@ -307,7 +306,10 @@ TEST(SavedGround, IsAsOfTheLastFlushWhenThePowerGoesAtAnyOperation) {
             for (int opening = 0; opening < 2; ++opening) {  // what opening repairs, it repairs for good
                 auto world = test::open_script_world(made, "world", on_disk(*after));
                 ASSERT_TRUE(world) << world.error().message;
-                EXPECT_EQ(joined((*world)->reports()), "");
+                // Sectors of one write that was never synced can come to the disk in any order; then it cannot be told
+                // from damage, and what lies behind the gap is kept aside. Once.
+                for (const Error& error : (*world)->reports())
+                    EXPECT_TRUE(opening == 0 && error.message.find("moved aside") != std::string::npos) << error.message;
                 EXPECT_GE((*world)->world().appended(), durable);
                 EXPECT_EQ(joined((*world)->world().verify()), "");
                 ASSERT_TRUE(reference.advance_to((*world)->world().appended()));

@@ -262,7 +262,7 @@ public:
         disk_->counts.most_read_bytes = std::max<std::uint64_t>(disk_->counts.most_read_bytes, out.size());
         if (!disk_->unreadable.empty() && clean(path()) == disk_->unreadable)
             return Error{ErrorCode::FileRead, text(path(), ": cannot be read: Input/output error (the test says so)")};
-        if (offset >= node_->live.size()) return std::size_t{0};
+        if (out.empty() || offset >= node_->live.size()) return std::size_t{0};
         const std::size_t count = std::min<std::uint64_t>(out.size(), node_->live.size() - offset);
         std::memcpy(out.data(), node_->live.data() + offset, count);
         disk_->counts.read_bytes += count;

@@ -80,7 +80,8 @@ protected:
 TEST_F(WorldTest, WhatWasFlushedIsThereAfterACrash) {
     for (const Kind kind : kKinds)
         for (const HeightPrecision precision : {HeightPrecision::bits32, HeightPrecision::bits16}) {
-            SCOPED_TRACE(testing::Message() << "kind " << int(kind) << " bits16 " << (precision != HeightPrecision::bits32));
+            SCOPED_TRACE(testing::Message()
+                         << "kind " << int(kind) << " bits16 " << (precision != HeightPrecision::bits32));
             Options options{.kind = kind, .precision = precision};
             const auto whole = test::value(open(options));  // in memory alone
             options.folder = scratch_.path("world" + std::to_string(int(kind)) + std::to_string(int(precision)));
@@ -204,8 +205,7 @@ TEST_F(WorldTest, AnotherWorldsSettingsAreRefusedByName) {
 }
 
 TEST_F(WorldTest, AFolderThatCannotBeMadeIsAnError) {
-    const auto missing =
-        open({.kind = Kind::Server, .folder = scratch_.path("not there/world")});
+    const auto missing = open({.kind = Kind::Server, .folder = scratch_.path("not there/world")});
     ASSERT_FALSE(missing);
     EXPECT_NE(missing.error().message.find("not there"), std::string::npos) << missing.error().message;
     EXPECT_TRUE(open({.kind = Kind::Server, .folder = scratch_.path("Äcker und Wege")}));

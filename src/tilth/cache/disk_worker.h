@@ -43,13 +43,13 @@ public:
 
     Kind kind = Kind::Load;
     TileIndex tile;
-    std::uint32_t priority = 0;     ///< lower goes first; equal ones in the order of submission
-    std::vector<LoadPiece> pieces;  ///< of a load
-    std::vector<Page> pages;        ///< of a save
+    std::uint32_t priority = 0;            ///< lower goes first; equal ones in the order of submission
+    std::vector<LoadPiece> pieces;         ///< of a load
+    std::vector<Page> pages;               ///< of a save
     std::function<Result<void>()> action;  ///< of other work
-    bool was_cancelled = false;     ///< when given back: nothing was loaded
-    Result<void> outcome;           ///< when given back; the message names the tile, nothing was loaded
-    double store_ms = 0;            ///< when given back: how long the store took
+    bool was_cancelled = false;            ///< when given back: nothing was loaded
+    Result<void> outcome;                  ///< when given back; the message names the tile, nothing was loaded
+    double store_ms = 0;                   ///< when given back: how long the store took
 
 private:
     friend class DiskWorker;
@@ -62,8 +62,8 @@ private:
 ///
 /// Of two requests that name one tile, one of them a save, the earlier is done first, whatever the priorities: a load
 /// finds the last save that was submitted before it, an older save never replaces a newer one. The earlier one then
-/// goes with the urgency of the later. Other work keeps its place among the saves. Threads: all members are for one thread, the owner's. Nothing waits but `wait`
-/// and the destructor.
+/// goes with the urgency of the later. Other work keeps its place among the saves. Threads: all members are for one
+/// thread, the owner's. Nothing waits but `wait` and the destructor.
 class DiskWorker {
 public:
     explicit DiskWorker(std::shared_ptr<TileStore> store);

@@ -142,8 +142,24 @@ void TileCache::update(double now_ms, gl::CacheStats& stats) {
     now_ms_ = now_ms;
     while (const std::shared_ptr<DiskRequest> done = worker_.poll()) deliver(done, stats);
     for (const TileIndex index : std::vector(live_.begin(), live_.end())) poll_read_back(index, *find(index), stats);
+    fetch_the_crowded();
     start_wanted(stats);
     let_go_unwanted(stats);
+}
+
+/// Too many stamps wait: the tiles with the most are brought up to date and saved.
+void TileCache::fetch_the_crowded() {
+    if (pending_ <= settings_.most_pending_in_all) return;
+    std::vector<std::pair<std::size_t, TileIndex>> waiting;
+    for (const auto& [index, tile] : tiles_)
+        if (!tile.pending.empty()) waiting.emplace_back(tile.pending.size(), index);
+    std::sort(waiting.rbegin(), waiting.rend());
+    std::size_t left = pending_;
+    for (const auto& [count, index] : waiting) {
+        if (left <= settings_.most_pending_in_all / 2) break;
+        crowded_.insert(index);
+        left -= count;
+    }
 }
 
 void TileCache::start_wanted(gl::CacheStats& stats) {
@@ -386,6 +402,7 @@ void TileCache::make_hot(TileIndex index, Tile& tile) {
             replace(guest.pages, arrival->guests);
     tile.hot = true;
     if (!tile.pending.empty()) tile.unsaved = true;  // the last snapshot may have them waiting
+    pending_ -= tile.pending.size();
     tile.pending.clear();
     tile.pending.shrink_to_fit();
     crowded_.erase(index);

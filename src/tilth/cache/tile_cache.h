@@ -18,6 +18,7 @@
 #include "tilth/cache/tile_textures.h"
 #include "tilth/core/result.h"
 #include "tilth/gl/frame_stats.h"
+#include "tilth/ground/change_set.h"
 #include "tilth/ground/ground.h"
 #include "tilth/ground/undo_history.h"
 #include "tilth/store/snapshot.h"
@@ -34,6 +35,9 @@ struct TileCacheSettings {
     double least_retry_ms = 250, most_retry_ms = 8000;  ///< pauses after a failed request, doubled each time
     /// Stamps that wait for an absent tile before it is fetched, brought up to date and saved in the background.
     std::size_t most_pending = 16384;
+    /// The same for all absent tiles together: beyond it those with the most are fetched.
+    std::size_t most_pending_in_all = 1u << 18;
+    bool publish_changes = false;  ///< see `changes`
 };
 
 /// A tile as it stands now.
@@ -135,6 +139,10 @@ public:
     [[nodiscard]] std::vector<TileIndex> touched() const;
     [[nodiscard]] std::vector<CachedArrival> take_arrivals();
     [[nodiscard]] std::vector<Error> take_errors();
+    /// What the edits applied since `forget_changes` changed: each when it was applied, or began to wait for its tile
+    /// to be loaded.
+    [[nodiscard]] const ChangeSet& changes() const { return changes_; }
+    void forget_changes() { changes_.clear(); }
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
     [[nodiscard]] TileState state(TileIndex tile) const;
     /// Whether the tile's textures hold its codes, so that a frame may sample them.
@@ -197,8 +205,8 @@ private:
         void was_changed() { modified = changed = unsaved = true; }
     };
     struct Task {
-        Stamp stamp;        ///< or only `stamp.edit`, of an undo
-        TileWindow window;  ///< tiles that it reads or changes, aprons included
+        Stamp stamp;                    ///< or only `stamp.edit`, of an undo
+        TileWindow window;              ///< tiles that it reads or changes, aprons included
         std::vector<TileIndex> undone;  ///< tiles whose interior an undo changes
     };
 
@@ -210,6 +218,7 @@ private:
     void send(TileIndex index, Tile& tile, TileEvent event, gl::CacheStats& stats);
     void start_wanted(gl::CacheStats& stats);
     void let_go_unwanted(gl::CacheStats& stats);
+    void fetch_the_crowded();
     void start_load(TileIndex index, Tile& tile);
     template <class Visit>
     void for_each_cold_neighbour(TileIndex of, const Visit& visit) const;
@@ -259,6 +268,8 @@ private:
     void flush_gpu(gl::StageStats& deform);
     void apply_batch_on_cpu(std::size_t first, gl::StageStats& deform);
     void flush_fills();
+    [[nodiscard]] CodeRange range_now(TileIndex index, const TexelRect& rect) const;
+    void note_change(const StampRecord& record, const TexelRect& rect, const TileWindow& window);
 
     // tile_cache_undo.cpp
     [[nodiscard]] Task undo_task_of(const GroundEdit& edit) const;
@@ -267,6 +278,7 @@ private:
     void keep_saturating_images(const Stamp& stamp, gl::StageStats& deform);
     [[nodiscard]] bool waits_with_all(const Task& undo, TileIndex index, const Tile& tile) const;
     bool cancel_waiting(const Task& undo);
+    void note_undo(const Task& undo);
     void execute_undo(const Task& undo, gl::StageStats& deform);
 
     // tile_cache_settle.cpp
@@ -284,18 +296,20 @@ private:
     std::map<TileIndex, Tile> tiles_;  ///< those that a stamp ever reached
     std::set<TileIndex> live_;         ///< of them, those that are not absent
     std::set<TileIndex> crowded_;      ///< absent ones with too many stamps waiting
+    std::size_t pending_ = 0;          ///< stamps that wait, of all tiles
     std::set<TileIndex> textured_;
     std::set<TileIndex> required_;  ///< by `require`
     std::vector<ViewerTiles> viewers_;
     std::vector<PostPos> viewer_texels_;
-    std::deque<Task> deferred_;             ///< smooth that waits for tiles, and what waits behind it
-    std::set<TileIndex> awaited_;           ///< tiles of `deferred_`
-    std::vector<Stamp> gpu_batch_;          ///< own-texel stamps for the tiles of `gpu_tiles_`, in order
+    std::deque<Task> deferred_;     ///< smooth that waits for tiles, and what waits behind it
+    std::set<TileIndex> awaited_;   ///< tiles of `deferred_`
+    std::vector<Stamp> gpu_batch_;  ///< own-texel stamps for the tiles of `gpu_tiles_`, in order
     std::set<TileIndex> gpu_tiles_;
     std::map<TileIndex, std::vector<TexelRect>> fills_;  ///< of this frame's stamps, textures that exist
     std::vector<CachedArrival> arrivals_;
     std::vector<Error> errors_;
     std::vector<std::shared_ptr<DiskRequest>> finished_;  ///< work that was submitted
+    ChangeSet changes_;
     Result<void> gpu_outcome_;
     double now_ms_ = 0;
     DiskWorker worker_;  ///< last: it stops before anything it works on goes

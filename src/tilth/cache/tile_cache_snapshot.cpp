@@ -24,6 +24,7 @@ void TileCache::restore_waiting(std::map<TileIndex, std::vector<WaitingStamp>> w
                                   .position = stamp.position};
             tile.pending.push_back({edit, prepare(stamp.record, ground_.map(MapKind::Detail), ground_.shapes())});
         }
+        pending_ += tile.pending.size();
         if (tile.pending.size() >= settings_.most_pending) crowded_.insert(index);
         for_each_neighbour(index, [&](TileIndex at) {
             if (grid_.exists(at) && tiles_.try_emplace(at).second) tiles_[at].suspected = true;

@@ -55,7 +55,26 @@ Result<void> TileCache::apply(std::span<const GroundEdit> edits, gl::StageStats&
     }
     flush_gpu(deform);
     flush_fills();
+    if (settings_.publish_changes)
+        changes_.finish(MapKind::Detail, [&](const Change& change) { return range_now(change.tile, change.rect); });
     return gpu_outcome_;
+}
+
+CodeRange TileCache::range_now(TileIndex index, const TexelRect& rect) const {
+    const Tile* tile = find(index);
+    if (tile == nullptr) return {kMidCode, kMidCode};
+    if (!tile->hot) return kAllCodes;
+    return on_gpu(*tile) ? textures_.bounds(index, rect) : range_in(field_, rect);
+}
+
+/// Before a stamp is applied to `rect`, or taken back there.
+void TileCache::note_change(const StampRecord& record, const TexelRect& rect, const TileWindow& window) {
+    if (!settings_.publish_changes) return;
+    for_each_tile(window, [&](TileIndex index) {
+        const TexelRect part = intersection(grid_.inside(index), rect);
+        if (!part.empty())
+            changes_.note(MapKind::Detail, index, part, range_now(index, part), record.sequence, record.sequence);
+    });
 }
 
 void TileCache::run_or_wait(Task task, gl::StageStats& deform) {
@@ -131,6 +150,7 @@ void TileCache::execute(const Task& task, gl::StageStats& deform) {
     const PreparedStamp& stamp = task.stamp.prepared;
     const TexelRect rect = stamp.rect();
     const auto part = [&](TileIndex index) { return intersection(grid_.inside(index), rect); };
+    note_change(task.stamp.edit.record, rect, task.window);
     // All tiles first: one that becomes hot makes guests of its neighbours' pages.
     for_each_tile(task.window, [&](TileIndex index) { touched(index, !part(index).empty()); });
     if (task.stamp.edit.stroke != nullptr)
@@ -142,6 +162,7 @@ void TileCache::execute(const Task& task, gl::StageStats& deform) {
         if (!tile.hot) {
             if (inside.empty()) return;
             tile.pending.push_back(task.stamp);
+            ++pending_;
             if (tile.pending.size() >= settings_.most_pending) crowded_.insert(index);
             apply_to_guests(stamp, index);
         } else if (on_gpu(tile)) {
@@ -200,6 +221,7 @@ bool TileCache::execute_smooth(const Task& task, gl::StageStats& deform) {
         all_on_gpu = all_on_gpu && on_gpu(tile);
     });
     if (!all_on_gpu && !smooth_is_ready(task)) return false;  // a tile got no textures: the others are read back first
+    note_change(task.stamp.edit.record, stamp.rect(), task.window);
     if (task.stamp.edit.stroke != nullptr)
         for_each_tile(task.window, [&](TileIndex index) { keep_images_of(task.stamp, index, deform); });
     if (!all_on_gpu) {

@@ -82,16 +82,26 @@ bool TileCache::waits_with_all(const Task& undo, TileIndex index, const Tile& ti
     return waiting == all;
 }
 
+void TileCache::note_undo(const Task& undo) {
+    if (!settings_.publish_changes) return;
+    for (const StampRecord& record : undo.stamp.edit.stroke->records) {
+        if (record.map != MapKind::Detail) continue;
+        const TexelRect rect = prepare(record, ground_.map(MapKind::Detail), ground_.shapes()).rect();
+        note_change(record, rect, tiles_of(grid_, rect));
+    }
+}
+
 /// Takes a stroke that nowhere was applied off the lists: nothing has to be loaded for that.
 bool TileCache::cancel_waiting(const Task& undo) {
     for (const TileIndex index : undo.undone) {
         const Tile* tile = find(index);
         if (tile == nullptr || awaited_.contains(index) || !waits_with_all(undo, index, *tile)) return false;
     }
+    note_undo(undo);
     for (const TileIndex index : undo.undone) {
         Tile& tile = *find(index);
-        std::erase_if(tile.pending,
-                      [&](const Stamp& stamp) { return stamp.edit.stroke == undo.stamp.edit.stroke; });
+        pending_ -= std::erase_if(tile.pending,
+                                  [&](const Stamp& stamp) { return stamp.edit.stroke == undo.stamp.edit.stroke; });
         tile.was_changed();
     }
     return true;
@@ -100,6 +110,7 @@ bool TileCache::cancel_waiting(const Task& undo) {
 /// All tiles are hot. `add` is taken back by its opposite, then pages are put back that need more than that.
 void TileCache::execute_undo(const Task& undo, gl::StageStats& deform) {
     const Stroke& stroke = *undo.stamp.edit.stroke;
+    note_undo(undo);
     for (const StampRecord& record : undoing_records(stroke)) {
         if (record.map != MapKind::Detail) continue;
         const Task opposite = task_of({.record = record, .stroke = nullptr});

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "tilth/core/result.h"
+#include "tilth/ground/code_range.h"
 #include "tilth/ground/detail_field.h"
 #include "tilth/ground/prepared_stamp.h"
 #include "tilth/world/texel.h"
@@ -47,6 +48,8 @@ public:
     /// `tiles`, when those before it were applied; their count: none. Cost: that of their bounds, no look at a texel.
     [[nodiscard]] virtual std::size_t first_that_may_saturate(std::span<const PreparedStamp> stamps,
                                                               std::span<const TileIndex> tiles) const = 0;
+    /// Executor gpu. Bounds of the codes of `rect`, a part of the tile's interior; never narrower than the truth.
+    [[nodiscard]] virtual CodeRange bounds(TileIndex tile, const TexelRect& rect) const = 0;
     /// Executor gpu. Copies codes of `rect` from the tile that owns them to the apron of another, slopes included.
     virtual void exchange(TileIndex from, TileIndex to, const TexelRect& rect) = 0;
 

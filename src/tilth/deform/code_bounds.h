@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tilth/ground/code_range.h"
 #include "tilth/ground/page.h"
 #include "tilth/world/height_codec.h"
 #include "tilth/world/texel.h"
@@ -14,14 +15,7 @@ namespace tilth {
 /// Memory: 8 bytes per 64 x 64 texels.
 class CodeBounds {
 public:
-    struct Range {
-        std::uint32_t min = 0xffff'ffffu, max = 0;
-        void include(Range other) {
-            min = other.min < min ? other.min : min;
-            max = other.max > max ? other.max : max;
-        }
-        friend bool operator==(const Range&, const Range&) = default;
-    };
+    using Range = CodeRange;
 
     /// Of untouched ground.
     explicit CodeBounds(const TexelRect& held)

@@ -58,7 +58,7 @@ std::vector<ChangedRect> changed_by(const Ground& ground, const GroundEdit& edit
     std::vector<ChangedRect> changed;
     const auto note = [&](const StampRecord& record) {
         const TexelRect rect = prepare(record, ground.map(record.map), ground.shapes()).rect();
-        if (!rect.empty()) changed.push_back({record.map, rect});
+        if (!rect.empty()) changed.push_back({record.map, rect, record.sequence});
     };
     if (edit.kind == GroundEdit::Kind::Stamp)
         note(edit.record);

@@ -20,7 +20,8 @@ ApplyResult apply_edit(Ground& ground, MapKind map, const GroundEdit& edit);
 /// A rectangle of one map that an edit may change.
 struct ChangedRect {
     MapKind map = MapKind::Coarse;
-    TexelRect rect;  ///< inside the map, not empty
+    TexelRect rect;                  ///< inside the map, not empty
+    std::uint64_t sequence = 0;      ///< of the stamp that does it, or that is undone
 };
 /// One for each stamp that the edit does or undoes, those off their map left out.
 std::vector<ChangedRect> changed_by(const Ground& ground, const GroundEdit& edit);

@@ -5,37 +5,12 @@
 #include <memory>
 #include <utility>
 
+#include "tilth/ground/code_range.h"
 #include "tilth/ground/cpu_executor.h"
 #include "tilth/ground/stamp_range.h"
 
 namespace tilth {
 namespace {
-
-struct CodeRange {
-    std::uint32_t min = 0xffffffffu, max = 0;
-    void add_row(const std::uint32_t* codes, std::int32_t count) {
-        for (std::int32_t i = 0; i < count; ++i) {
-            min = std::min(min, codes[i]);
-            max = std::max(max, codes[i]);
-        }
-    }
-};
-
-/// Codes of `part`, which lies in `page`.
-CodeRange range_in(const PageCodes* codes, PageIndex page, const TexelRect& part) {
-    if (codes == nullptr) return {kMidCode, kMidCode};
-    const Texel corner = texels_of(page).min;
-    CodeRange range;
-    for (std::int32_t z = part.min.z; z < part.max.z; ++z)
-        range.add_row(codes->data() + (z - corner.z) * kPageTexels + (part.min.x - corner.x), part.width());
-    return range;
-}
-
-CodeRange range_in(const HeightField& field, const TexelRect& part) {
-    CodeRange range;
-    for (std::int32_t z = part.min.z; z < part.max.z; ++z) range.add_row(field.row(z) + part.min.x, part.width());
-    return range;
-}
 
 /// The stroke's stamps before `position`, as far as they wrote on `page`: `add`s that did not saturate there, or the
 /// stroke would have an image of it. The last first, ready to be taken off.

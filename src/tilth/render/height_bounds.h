@@ -4,16 +4,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "tilth/ground/code_range.h"
 #include "tilth/ground/height_field.h"
 #include "tilth/world/texel.h"
 
 namespace tilth {
-
-/// Lowest and highest height code, both included.
-struct CodeRange {
-    std::uint32_t min = 0xffff'ffffu, max = 0;
-    friend bool operator==(const CodeRange&, const CodeRange&) = default;
-};
 
 /// Smallest and largest code of every 64 x 64 posts of a map, and of 2 x 2 of those, and so on; and how far a clipmap
 /// level is from the next finer one.

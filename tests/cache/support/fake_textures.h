@@ -114,6 +114,9 @@ public:
         }
         return first;
     }
+    [[nodiscard]] CodeRange bounds(TileIndex tile, const TexelRect& rect) const override {
+        return range_in(sets_.at(tile).codes, rect);
+    }
     void exchange(TileIndex from, TileIndex to, const TexelRect& rect) override {
         ASSERT_TRUE(has(from) && has(to));
         EXPECT_EQ(intersection(rect, grid_.interior(from)), rect) << "not the owner's";
