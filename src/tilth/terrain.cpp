@@ -175,6 +175,7 @@ Result<void> Terrain::Impl::recover(RecoveredWorld& recovered) {
         return restored.error();
     }
     world->report(std::move(recovered.reports));
+    if (recovered.repaired > 0) world->begin_save();  // or the next opening would have to do it again
     return apply_queue(before);
 }
 

@@ -145,6 +145,27 @@ TEST(SavedGround, LosesWhatWasNotFlushedAndNothingElse) {
     EXPECT_EQ(both.world().world().appended(), 33u);
 }
 
+TEST(SavedGround, KeepsShapesWhicheverIsUsedFirst) {
+    const ScratchFolder folder;
+    const ScriptWorld made;
+    StateHash dented;
+    {
+        auto world = SavedGround::open(made.ground(), folder.path("world"), {}, 0);
+        ASSERT_TRUE(world);
+        const std::vector<std::uint16_t> weights{0, 65535, 30000, 0};
+        for (const char* name : {"first", "second", "third"})
+            ASSERT_TRUE((*world)->shapes().add_image(name, 2, 2, weights));
+        for (const char* name : {"third", "first"})
+            ASSERT_TRUE((*world)->stamp(
+                {.shape = *(*world)->shapes().find(name), .centre = {50, 60}, .radius_m = 3, .amplitude_m = 0.5}));
+        dented = (*world)->ground().hash();
+    }
+    auto again = SavedGround::open(made.ground(), folder.path("world"), {}, 0);
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_EQ((*again)->ground().hash(), dented);
+    EXPECT_EQ((*again)->shapes().find("third")->value, kBuiltinProfiles + 2);
+}
+
 TEST(SavedGround, IsLockedWhileItIsOpen) {
     const ScratchFolder folder;
     const ScriptWorld made;
@@ -309,7 +330,8 @@ TEST(SavedGround, IsAsOfTheLastFlushWhenThePowerGoesAtAnyOperation) {
                 // Sectors of one write that was never synced can come to the disk in any order; then it cannot be told
                 // from damage, and what lies behind the gap is kept aside. Once.
                 for (const Error& error : (*world)->reports())
-                    EXPECT_TRUE(opening == 0 && error.message.find("moved aside") != std::string::npos) << error.message;
+                    EXPECT_TRUE(opening == 0 && error.message.find("moved aside") != std::string::npos)
+                        << error.message;
                 EXPECT_GE((*world)->world().appended(), durable);
                 EXPECT_EQ(joined((*world)->world().verify()), "");
                 ASSERT_TRUE(reference.advance_to((*world)->world().appended()));

@@ -162,6 +162,25 @@ TEST_F(WorldInMemory, GoesOnCountingWhenItsCountersAreLost) {
     EXPECT_EQ(joined(world->world().verify()), "");
 }
 
+TEST_F(WorldInMemory, GoesOnCountingWithoutAHistory) {
+    made_.undo_bytes = 0;
+    std::uint64_t last = 0;
+    {
+        const auto world = open();
+        for (int i = 0; i < 30; ++i) {
+            const auto stamped = world->stamp({.centre = {60, 60.0 + i}, .radius_m = 0.5, .amplitude_m = 0.1});
+            ASSERT_TRUE(stamped);
+            last = stamped->sequence;
+        }
+        ASSERT_TRUE(world->save());
+    }
+    EXPECT_TRUE(keys(BlobKind::Stroke).empty());
+    blobs_->damaged.insert(kCountersKey);
+    const auto issued = open()->stamp({.centre = {60, 60}, .radius_m = 0.5, .amplitude_m = 0.1});
+    ASSERT_TRUE(issued);
+    EXPECT_EQ(issued->sequence, last + 1);
+}
+
 TEST_F(WorldInMemory, TellsWhatIsLostWhereTheJournalIsGone) {
     keep_journal_bytes_ = 0;
     live(45, 20);
@@ -250,6 +269,22 @@ protected:
         const auto committed = world.commit(snapshot);
         ASSERT_TRUE(committed) << committed.error().message;
         right_ = ground->hash();
+        expect_repairs_as_committed(world, tiles);
+    }
+    /// Pages that are damaged while the world is open are made again as the commit left them.
+    void expect_repairs_as_committed(WorldFolder& world, const TileGrid& tiles) {
+        for (const BlobKey& key : keys(BlobKind::DetailPage)) blobs_->damaged.insert(key);
+        for_each_tile(tiles_of(tiles, tiles.map), [&](TileIndex tile) {
+            const auto pages = world.load(tile, pages_of(tiles.interior(tile)));
+            ASSERT_TRUE(pages) << pages.error().message;
+            for (const Page& page : *pages) {
+                const PageCodes* const right = stored_.find(page.index);
+                ASSERT_NE(right, nullptr);
+                EXPECT_EQ(*page.codes, *right) << page.index.x << ", " << page.index.z;
+            }
+        });
+        EXPECT_TRUE(blobs_->damaged.empty());
+        EXPECT_FALSE(world.take_errors().empty());
     }
     /// Images of waiting tiles come in when their stamps are applied, so that undo takes back everything.
     void expect_right_and_undone(SavedGround& world) {

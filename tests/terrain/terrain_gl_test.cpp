@@ -304,6 +304,9 @@ TEST_F(TerrainTest, RecordsThatDoNotFitThisWorldAreRefused) {
         refused("map:", [](StampRecord& r) { r.map = static_cast<MapKind>(5); });
         refused("rule:", [](StampRecord& r) { r.rule = static_cast<StampRule>(5); });
         refused("amplitude:", [](StampRecord& r) { r.rule = StampRule::Smooth, r.amplitude = 65537; });
+        refused("negative:", [](StampRecord& r) { r.negative = 2; });
+        refused("mirror:", [](StampRecord& r) { r.mirror = 255; });
+        refused("reserved:", [](StampRecord& r) { r.reserved = 1; });
         refused("radius:", [](StampRecord& r) { r.radius = (8192u << 18) + 1; });
         refused("centre:", [](StampRecord& r) { r.centre_x = INT64_MAX; });
         ASSERT_TRUE(ground->update(0));

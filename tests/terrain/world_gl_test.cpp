@@ -211,6 +211,29 @@ TEST_F(WorldTest, AFolderThatCannotBeMadeIsAnError) {
     EXPECT_TRUE(open({.kind = Kind::Server, .folder = scratch_.path("Äcker und Wege")}));
 }
 
+TEST_F(WorldTest, ShapesOfTheHostsOwnComeBackWithTheWorld) {
+    for (const Kind kind : {Kind::Cpu, Kind::Server}) {
+        const Options options{.kind = kind, .folder = scratch_.path("shapes" + std::to_string(int(kind)))};
+        const auto cone = [](double t) { return 1 - t; };
+        StateHash before;
+        {
+            const auto terrain = test::value(open(options));
+            ASSERT_TRUE(terrain->shapes().add_profile("never stamped", [](double) { return 0.5; }));
+            const ShapeId mine = test::value(terrain->shapes().add_profile("mine", cone));
+            for (const double radius_m : {0.5, 10.0})
+                ASSERT_TRUE(terrain->stamp({.shape = mine, .centre = {64, 64}, .radius_m = radius_m, .amplitude_m = -1}));
+            ASSERT_TRUE(terrain->update(0));
+            before = hash_of(*terrain);
+        }
+        const auto terrain = test::value(open(options));
+        EXPECT_EQ(hash_of(*terrain), before);
+        ASSERT_TRUE(terrain->shapes().find("mine").has_value());
+        EXPECT_EQ(test::value(terrain->shapes().add_profile("mine", cone)), *terrain->shapes().find("mine"))
+            << "adding it again, as every start of a program does, is no error";
+        EXPECT_FALSE(terrain->shapes().add_profile("mine", [](double t) { return 1 - t * t; }));
+    }
+}
+
 TEST_F(WorldTest, WithoutAWorldThereIsNothingToSave) {
     const auto terrain = test::value(open({.kind = Kind::Server}));
     EXPECT_FALSE(terrain->world().has_value());

@@ -193,6 +193,9 @@ Result<void> Ground::check(const StampRecord& record) const {
     if (record.map == MapKind::Coarse && settings_.mirror)
         return invalid("map: a mirrored world takes no coarse stamps");
     if (record.rule > StampRule::Smooth) return invalid(text("rule: ", static_cast<int>(record.rule), " is no rule"));
+    if (record.negative > 1) return invalid(text("negative: ", int{record.negative}, " is not 0 or 1"));
+    if (record.mirror > 1) return invalid(text("mirror: ", int{record.mirror}, " is not 0 or 1"));
+    if (record.reserved != 0) return invalid(text("reserved: ", record.reserved, " is not 0"));
     if (record.rule == StampRule::Smooth && record.amplitude > static_cast<std::uint32_t>(kWeightOne))
         return invalid(text("amplitude: ", record.amplitude, " is above 65536, the most that smooth takes"));
     if (record.radius > kLargestRadius) return invalid(text("radius: ", record.radius, " is above 8192 texels"));

@@ -4,13 +4,12 @@
 #include <atomic>
 #include <mutex>
 #include <optional>
-#include <random>
 #include <set>
 #include <utility>
 
-#include "tilth/core/log.h"
 #include "tilth/store/shape_files.h"
-#include "tilth/store/world_blobs.h"
+#include "tilth/store/snapshot_writer.h"
+#include "tilth/store/world_creation.h"
 #include "tilth/store/world_pages.h"
 #include "tilth/store/world_recovery.h"
 #include "tilth/store/world_repair.h"
@@ -22,52 +21,6 @@ namespace {
 // What one call of compaction copies while a snapshot makes room.
 constexpr std::uint64_t kCompactionStep = 16u << 20;
 
-std::uint64_t drawn_salt() {
-    std::random_device device;
-    return (std::uint64_t{device()} << 32) | device();
-}
-
-/// Makes the folder, and its name durable. A folder that was there before us may lie in one that we may not look into.
-Result<void> make_durable_folder(FileSystem& files, const std::string& folder) {
-    const bool was_there = files.exists(folder);
-    if (Result<void> made = files.make_folder(folder); !made) return made;
-    if (files.exists(folder + "/world.tlw")) return {};
-    const std::size_t slash = folder.rfind('/');
-    const std::string parent = slash == std::string::npos ? "." : folder.substr(0, std::max<std::size_t>(slash, 1));
-    Result<void> synced = files.sync_folder(parent);
-    if (synced || !was_there) return synced;
-    log(LogLevel::Warning, synced.error().message);
-    return {};
-}
-
-bool is_of_a_world(const std::string& name) {
-    return name.ends_with(".tlp") || name.ends_with(".tlj") || name.ends_with(".tls");
-}
-
-/// The identity of the world in `folder`, which is made if the folder holds none. It is the first file of a world: what
-/// else belongs to one is made under its salt.
-Result<WorldIdentity> identity_in(FileSystem& files, const std::string& folder, const Ground& ground,
-                                  const std::string& heights, bool& is_new) {
-    WorldIdentity given = identity_of(ground);
-    auto stored = read_identity(files, folder);
-    is_new = !stored && stored.error().code == ErrorCode::NotFound;
-    if (stored) {
-        if (const Result<void> same = check_same(*stored, given); !same)
-            return Error{same.error().code, text(folder, ": ", same.error().message)};
-        return stored;
-    }
-    if (!is_new) return stored;
-    const auto names = files.list(folder);
-    if (!names) return names.error();
-    if (const auto found = std::ranges::find_if(*names, is_of_a_world); found != names->end())
-        return Error{ErrorCode::FileFormat, text(folder, "/world.tlw: is missing, but there is ", *found,
-                                                 " of a world; restore it from a backup, or choose another folder")};
-    given.salt = drawn_salt();
-    given.heights = heights;
-    if (const Result<void> written = write_identity(files, folder, given); !written) return written.error();
-    return given;
-}
-
 }  // namespace
 
 // `blobs_mutex` guards the store and all that stands under it; it is held for as long as a commit takes. `errors_mutex`
@@ -78,7 +31,8 @@ struct WorldFolder::Impl {
     WorldOptions options;
     WorldIdentity identity;
     std::unique_ptr<FileLock> lock;
-    std::atomic<std::uint32_t> kept_shapes = 0;
+    const ShapeLibrary* shapes = nullptr;  // the ground's
+    std::uint32_t kept_shapes = 0;         // ids below it
     std::unique_ptr<Journal> journal;
     std::atomic<std::uint64_t> committed = 0, page_bytes = 0, live_page_bytes = 0;
 
@@ -87,9 +41,8 @@ struct WorldFolder::Impl {
     std::optional<WorldPages> pages;
     std::optional<WorldRepair> repair;
     std::map<TileIndex, std::vector<WaitingStamp>> waiting;  // as of the last commit
-    std::set<TileIndex> waiting_tiles;                       // that have a blob
-    std::map<std::uint64_t, std::uint32_t> stroke_parts;     // that have blobs, and how many
-    std::set<PageIndex> reported;                            // damaged detail pages, each told once
+    std::optional<SnapshotWriter> writer;
+    std::set<PageIndex> reported;  // damaged detail pages, each told once
     bool is_over_budget = false;
 
     std::mutex errors_mutex;
@@ -102,9 +55,6 @@ struct WorldFolder::Impl {
     [[nodiscard]] std::uint64_t disk_bytes() const { return journal->disk_bytes() + page_bytes; }
 
     Result<void> repair_pages(TileIndex tile, std::map<PageIndex, Error>& damaged, std::vector<Page>& pages);
-    Result<void> write(const Snapshot& snapshot);
-    Result<void> write_waiting(const TileSnapshot& tile);
-    Result<void> write_history(const Snapshot& snapshot);
     void keep_to_budget(std::uint64_t edits);
 };
 
@@ -137,7 +87,7 @@ Result<std::shared_ptr<WorldFolder>> WorldFolder::open(const std::string& folder
     while (impl->folder.size() > 1 && impl->folder.ends_with('/')) impl->folder.pop_back();
     impl->files = options.files != nullptr ? options.files : &system_files();
     impl->options = options;
-    if (const Result<void> made = make_durable_folder(*impl->files, impl->folder); !made) return made.error();
+    if (const Result<void> made = make_world_folder(*impl->files, impl->folder); !made) return made.error();
     auto lock = impl->files->lock(impl->folder + "/lock");
     if (!lock) return lock.error();
     impl->lock = std::move(*lock);
@@ -148,6 +98,7 @@ Result<std::shared_ptr<WorldFolder>> WorldFolder::open(const std::string& folder
     const auto shapes = read_shapes(*impl->files, impl->folder, impl->identity.salt, ground.shapes());
     if (!shapes) return shapes.error();
     impl->kept_shapes = *shapes;
+    impl->shapes = &ground.shapes();
     if (const Result<void> opened = impl->open_stores(ground, recovered); !opened) return opened.error();
     return std::shared_ptr<WorldFolder>(new WorldFolder(std::move(impl)));
 }
@@ -185,9 +136,10 @@ Result<void> WorldFolder::Impl::open_stores(Ground& ground, RecoveredWorld& reco
     if (const Result<void> read = pages->read_keys(); !read) return read;
     WorldRecovery recovery(*blobs, *pages, *repair, folder, settings.precision);
     if (const Result<void> run = recovery.run(lost_blobs, recovered); !run) return run;
-    stroke_parts = recovery.stroke_parts();
     waiting = recovered.waiting;
+    std::set<TileIndex> waiting_tiles;
     for (const auto& [tile, stamps] : waiting) waiting_tiles.insert(tile);
+    writer.emplace(*blobs, *pages, folder, settings.precision, std::move(waiting_tiles), recovery.stroke_parts());
     repair->forget();
     note_sizes();
     return {};
@@ -196,13 +148,13 @@ Result<void> WorldFolder::Impl::open_stores(Ground& ground, RecoveredWorld& reco
 // ---------------------------------------------------------------------------------------------------- the journal
 
 Result<void> WorldFolder::keep_shape(ShapeId id, const Shape& shape) {
-    if (id.value < impl_->kept_shapes) return {};
-    if (id.value != impl_->kept_shapes)
-        return Error{ErrorCode::InvalidArgument, text("shape: ", id.value, " ('", shape.name,
-                                                      "') cannot be kept before shape ", impl_->kept_shapes)};
-    const Result<void> written = write_shape(*impl_->files, impl_->folder, impl_->identity.salt, id, shape);
-    if (written) ++impl_->kept_shapes;
-    return written;
+    // Ids have no gaps, so the shapes before it are kept with it.
+    for (std::uint32_t& kept = impl_->kept_shapes; kept <= id.value; ++kept) {
+        const Shape& next = kept == id.value ? shape : impl_->shapes->shape({kept});
+        const Result<void> written = write_shape(*impl_->files, impl_->folder, impl_->identity.salt, {kept}, next);
+        if (!written) return written;
+    }
+    return {};
 }
 
 std::uint64_t WorldFolder::append(const Edit& edit) { return impl_->journal->append(edit); }
@@ -222,7 +174,8 @@ Result<std::vector<TileIndex>> WorldFolder::tiles() {
     if (const Result<void> usable = impl_->usable(); !usable) return usable.error();
     const std::vector<TileIndex> with_pages = impl_->pages->tiles();
     std::set<TileIndex> all(with_pages.begin(), with_pages.end());
-    all.insert(impl_->waiting_tiles.begin(), impl_->waiting_tiles.end());
+    const std::set<TileIndex>& waiting = impl_->writer->waiting_tiles();
+    all.insert(waiting.begin(), waiting.end());
     return std::vector<TileIndex>(all.begin(), all.end());
 }
 
@@ -281,7 +234,7 @@ Result<void> WorldFolder::commit(const Snapshot& snapshot) {
     if (const Result<void> flushed = impl_->journal->flush(); !flushed) return flushed;
     const std::lock_guard guard(impl_->blobs_mutex);
     if (const Result<void> usable = impl_->usable(); !usable) return usable;
-    const Result<void> written = impl_->write(snapshot);
+    const Result<void> written = impl_->writer->write(snapshot);
     impl_->note_sizes();
     if (!written) return written;
 
@@ -298,60 +251,6 @@ Result<void> WorldFolder::commit(const Snapshot& snapshot) {
     if (!released) impl_->report(released.error());
     impl_->keep_to_budget(snapshot.edits);
     return {};
-}
-
-Result<void> WorldFolder::Impl::write(const Snapshot& snapshot) {
-    for (const Page& page : snapshot.coarse)
-        if (const Result<void> saved = pages->save_coarse(page); !saved) return saved;
-    for (const TileSnapshot& tile : snapshot.tiles) {
-        if (tile.has_codes)
-            if (const Result<void> saved = pages->save(tile.tile, tile.pages); !saved) return saved;
-        if (const Result<void> written = write_waiting(tile); !written) return written;
-    }
-    if (const auto torn = pages->torn())
-        return Error{ErrorCode::FileWrite, text(folder, ": tile (", torn->x, ", ", torn->z,
-                                                ") was saved in part, for an error; the snapshot must have it again")};
-    if (const Result<void> written = write_history(snapshot); !written) return written;
-    return blobs->commit(snapshot.edits);
-}
-
-Result<void> WorldFolder::Impl::write_waiting(const TileSnapshot& tile) {
-    const BlobKey key = key_of_waiting(tile.tile);
-    if (!tile.waiting.empty()) {
-        waiting_tiles.insert(tile.tile);
-        return blobs->put(key, encode_waiting(tile.waiting));
-    }
-    if (!waiting_tiles.contains(tile.tile)) return {};
-    if (const Result<void> erased = blobs->erase(key); !erased) return erased;
-    waiting_tiles.erase(tile.tile);
-    return {};
-}
-
-Result<void> WorldFolder::Impl::write_history(const Snapshot& snapshot) {
-    const HistorySnapshot& history = snapshot.history;
-    for (const Stroke& stroke : history.changed) {
-        const auto parts = encode_stroke(stroke, identity.settings.precision);
-        std::uint32_t& known = stroke_parts[stroke.number];
-        known = std::max(known, static_cast<std::uint32_t>(parts.size()));
-        for (std::uint32_t i = 0; i < parts.size(); ++i)
-            if (const Result<void> put = blobs->put(key_of_stroke(stroke.number, i), parts[i]); !put) return put;
-    }
-    std::set<std::uint64_t> listed(history.done.begin(), history.done.end());
-    listed.insert(history.undone.begin(), history.undone.end());
-    for (auto stroke = stroke_parts.begin(); stroke != stroke_parts.end();) {
-        if (listed.contains(stroke->first)) {
-            ++stroke;
-            continue;
-        }
-        for (; stroke->second > 0; --stroke->second)
-            if (const Result<void> erased = blobs->erase(key_of_stroke(stroke->first, stroke->second - 1)); !erased)
-                return erased;
-        stroke = stroke_parts.erase(stroke);
-    }
-    return blobs->put(kCountersKey, encode_counters({.next_sequence = snapshot.next_sequence,
-                                                     .next_stroke = history.next_number,
-                                                     .done = history.done,
-                                                     .undone = history.undone}));
 }
 
 void WorldFolder::Impl::keep_to_budget(std::uint64_t edits) {
@@ -418,6 +317,7 @@ const std::string& WorldFolder::folder() const { return impl_->folder; }
 void WorldFolder::abandon() {
     impl_->journal->abandon();
     const std::lock_guard guard(impl_->blobs_mutex);
+    impl_->writer.reset();
     impl_->repair.reset();
     impl_->pages.reset();
     impl_->blobs.reset();

@@ -70,8 +70,8 @@ public:
 
     // The journal.
 
-    /// Keeps a shape that a stamp is about to use; nothing to do for built-in ones and those already kept. Durable on
-    /// return.
+    /// Keeps a shape of the ground that a stamp is about to use, and those with lower ids; nothing to do for built-in
+    /// ones and those already kept. Durable on return.
     Result<void> keep_shape(ShapeId id, const Shape& shape);
     std::uint64_t append(const Edit& edit);
     Result<void> flush();
