@@ -3,8 +3,6 @@
 #include <utility>
 
 #include "tilth/core/clock.h"
-#include "tilth/ground/apply_edit.h"
-#include "tilth/ground/before_image.h"
 #include "tilth/store/restore_detail.h"
 
 namespace tilth {
@@ -24,20 +22,15 @@ WorldStage::WorldStage(Ground& ground, Editor& editor, const WorldSettings& sett
 }
 
 void WorldStage::note(std::span<const GroundEdit> edits) {
-    const TileGrid grid{.size = ground_.settings().tile_size, .map = ground_.map(MapKind::Detail).grid.rect()};
     for (const GroundEdit& edit : edits)
-        for (const ChangedRect& changed : changed_by(ground_, edit)) {
-            if (changed.map == MapKind::Coarse)
-                for_each_page(pages_of(changed.rect), [&](PageIndex page) { changed_coarse_.insert(page); });
-            else if (detail_ == nullptr)
-                for_each_tile(tiles_of(grid, changed.rect), [&](TileIndex tile) { changed_tiles_.insert(tile); });
-        }
+        if (detail_ == nullptr || edit.kind == GroundEdit::Kind::Undo || edit.record.map == MapKind::Coarse)
+            changed_.note(ground_, edit);
 }
 
 Result<void> WorldStage::restore_detail(const RecoveredWorld& recovered) {
     Result<std::set<TileIndex>> changed = tilth::restore_detail(world(), recovered, editor_.history(), ground_);
     if (!changed) return changed.error();
-    changed_tiles_.merge(*changed);
+    changed_.note(*changed);
     return {};
 }
 
@@ -61,29 +54,24 @@ void WorldStage::update(gl::FrameStats& stats) {
     stats.store.snapshot_ms += clock_ms() - now_ms;
 }
 
-std::optional<std::vector<TileSnapshot>> WorldStage::take_tiles(gl::FrameStats& stats) {
-    if (detail_ != nullptr) return detail_->snapshot(stats);
-    std::vector<TileSnapshot> tiles;
-    const TileGrid grid{.size = ground_.settings().tile_size};
-    for (const TileIndex tile : std::exchange(changed_tiles_, {}))
-        tiles.push_back(
-            {.tile = tile, .has_codes = true, .pages = ground_.detail().pages_in(pages_of(grid.interior(tile)))});
-    return tiles;
-}
-
 /// False while edits wait for tiles: of no moment are all of them in the codes.
 bool WorldStage::begin(gl::FrameStats& stats) {
     if (!editor_.is_empty()) return false;
-    std::optional<std::vector<TileSnapshot>> tiles = take_tiles(stats);
-    if (!tiles) return false;
-    if (coarse_ != nullptr && !changed_coarse_.empty() && coarse_->is_ahead()) {
+    std::optional<std::vector<TileSnapshot>> tiles;
+    if (detail_ != nullptr) {
+        tiles = detail_->snapshot(stats);
+        if (!tiles) return false;
+    }
+    if (coarse_ != nullptr && changed_.has_coarse() && coarse_->is_ahead()) {
         coarse_->read_back(stats);
         ++stats.deform.fallbacks;
     }
     snapshot_ = std::make_shared<Snapshot>(editor_.begin_snapshot());
-    snapshot_->tiles = *std::move(tiles);
-    for (const PageIndex page : std::exchange(changed_coarse_, {}))
-        snapshot_->coarse.push_back({page, std::make_shared<PageCodes>(page_of_field(ground_.coarse(), page))});
+    changed_.take_coarse(ground_, *snapshot_);
+    if (tiles)
+        snapshot_->tiles = *std::move(tiles);
+    else
+        changed_.take_tiles(ground_, *snapshot_);
     asked_ = false;
     preparing_ = 0;
     writing_ = DiskRequest::work([world = editor_.world(), snapshot = snapshot_] { return world->commit(*snapshot); },
@@ -120,11 +108,8 @@ void WorldStage::finish(const std::shared_ptr<DiskRequest>& done, gl::StoreStats
             reported_ = true;
             retry_at_ms_ = clock_ms() + kRetryMs;
             editor_.snapshot_failed();
-            for (const Page& page : snapshot_->coarse) changed_coarse_.insert(page.index);
-            if (detail_ != nullptr)
-                detail_->cache().snapshot_failed(snapshot_->tiles);
-            else
-                for (const TileSnapshot& tile : snapshot_->tiles) changed_tiles_.insert(tile.tile);
+            changed_.put_back(*snapshot_);
+            if (detail_ != nullptr) detail_->cache().snapshot_failed(snapshot_->tiles);
             asked_ = true;  // again
         }
         writing_ = nullptr;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <vector>
 
@@ -13,6 +12,7 @@
 #include "tilth/detail_stage.h"
 #include "tilth/gl/frame_stats.h"
 #include "tilth/ground/ground.h"
+#include "tilth/store/changed_parts.h"
 #include "tilth/store/editor.h"
 #include "tilth/store/snapshot.h"
 #include "tilth/store/world_folder.h"
@@ -52,7 +52,6 @@ private:
     [[nodiscard]] WorldFolder& world() const { return *editor_.world(); }
     [[nodiscard]] bool is_due(double now_ms) const;
     bool begin(gl::FrameStats& stats);
-    std::optional<std::vector<TileSnapshot>> take_tiles(gl::FrameStats& stats);
     void submit(std::shared_ptr<DiskRequest> work);
     void poll(gl::StoreStats& stats);
     void finish(const std::shared_ptr<DiskRequest>& done, gl::StoreStats& stats);
@@ -63,9 +62,8 @@ private:
     WorldSettings settings_;
     CoarseStage* coarse_;
     DetailStage* detail_;
-    std::unique_ptr<DiskWorker> worker_;  ///< where there is no cache, which has one
-    std::set<PageIndex> changed_coarse_;
-    std::set<TileIndex> changed_tiles_;     ///< where all of the map is in the ground
+    std::unique_ptr<DiskWorker> worker_;    ///< where there is no cache, which has one
+    ChangedParts changed_;                  ///< with a cache, of the coarse map alone
     std::shared_ptr<Snapshot> snapshot_;    ///< that is being written
     std::shared_ptr<DiskRequest> writing_;  ///< its request
     std::shared_ptr<DiskRequest> compacting_;

@@ -74,6 +74,49 @@ TEST_F(DiskWorkerTest, SavesAndLoads) {
     EXPECT_EQ(code_in(loaded, 1), 0u);
 }
 
+TEST_F(DiskWorkerTest, OtherWorkKeepsItsPlaceAmongTheSaves) {
+    SplitMix64 random{4};
+    for (int round = 0; round < 50; ++round) {
+        occupy();
+        std::map<TileIndex, std::uint32_t> expected;
+        struct Seen {
+            std::map<TileIndex, std::uint32_t> wanted, found;
+        };
+        std::vector<std::shared_ptr<Seen>> commits;
+        for (std::uint32_t i = 1; i <= 30; ++i) {
+            const auto priority = static_cast<std::uint32_t>(random.next() % 4);
+            const TileIndex tile{static_cast<std::int32_t>(random.next() % 3), 0};
+            if (random.next() % 3 != 0) {
+                worker.submit(save_of(tile, i, priority));
+                expected[tile] = i;
+                continue;
+            }
+            const auto seen = std::make_shared<Seen>();
+            seen->wanted = expected;
+            commits.push_back(seen);
+            worker.submit(DiskRequest::work(
+                [seen, inner = store]() -> Result<void> {
+                    for (const auto& [at, code] : seen->wanted) {
+                        Result<std::vector<Page>> pages = inner->load(at, page_of_tile(at));
+                        if (!pages) return pages.error();
+                        seen->found[at] = pages->empty() ? 0 : pages->front().codes->at(0);
+                    }
+                    return Error{ErrorCode::FileWrite, "the test's own"};
+                },
+                priority));
+        }
+        for (const Request& done : finish()) {
+            EXPECT_EQ(done->outcome.ok(), done->kind != DiskRequest::Kind::Work);
+        }
+        for (const std::shared_ptr<Seen>& commit : commits)
+            EXPECT_EQ(commit->found, commit->wanted) << "all saves before it and none behind it";
+        for (std::int32_t x = 0; x < 3; ++x) {  // the next round begins empty
+            worker.submit(DiskRequest::save({x, 0}, {}, 0));
+            worker.wait();
+        }
+    }
+}
+
 TEST_F(DiskWorkerTest, PollNeverWaits) {
     EXPECT_EQ(worker.poll(), nullptr);
     occupy();

@@ -102,13 +102,19 @@ private:
             .generation = number(how % 16 < 12, generation_ - std::min<std::uint64_t>(generation_, slot)),
             .mark = number(how < 128, last_mark_),
             .index_offset = at.begin,
-            .end = how >= 240 ? place().end : at.end,
+            .end = commit_end(how >= 240 ? place().end : at.end),
             .blobs = number(how < 192, last_blobs_)};
         std::ranges::copy(encode_superblock(made, tag_, slot),
                           bytes_.begin() + static_cast<std::ptrdiff_t>(superblock_offset(slot)));
     }
 
-    std::uint64_t number(bool is_right, std::uint64_t right) { return is_right ? right : input_.any_number(); }
+    /// Behind the end of a frame or of the file: what a superblock says of its own commit is right when it is sealed.
+    std::uint64_t commit_end(std::uint64_t wanted) const {
+        const bool is_border = std::ranges::any_of(places_, [&](const Place& place) { return place.end == wanted; });
+        return is_border || wanted > bytes_.size() ? wanted : bytes_.size();
+    }
+    // Half of the range: a generation is one more than the last, and no world comes near the end.
+    std::uint64_t number(bool is_right, std::uint64_t right) { return is_right ? right : input_.any_number() / 2; }
 
     Input& input_;
     FileTag tag_;

@@ -20,7 +20,8 @@ Bytes sealed(Input& input) {
     put_field(bytes, 8, std::uint32_t{how < 250 ? 1u : how});
     if (how % 8 != 7) put_field(bytes, 12, static_cast<std::uint32_t>(bytes.size() - kHeaderBytes));
     if (how % 2 == 0) {
-        bytes[80] &= std::byte{1}, bytes[81] &= std::byte{1}, bytes[82] = static_cast<std::byte>(how % 4 == 0 ? 16 : 32);
+        bytes[80] &= std::byte{1}, bytes[81] &= std::byte{1},
+            bytes[82] = static_cast<std::byte>(how % 4 == 0 ? 16 : 32);
         std::fill(bytes.begin() + 83, bytes.begin() + 88, std::byte{});
     }
     put_field(bytes, 96, std::uint64_t{0});

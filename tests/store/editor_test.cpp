@@ -105,19 +105,13 @@ TEST(Editor, ReplayedRecordsKeepTheirNumbers) {
     EXPECT_NE(queue[0].stroke, queue[1].stroke);
 }
 
-TEST(Editor, WhatIsPutBackComesFirstAgain) {
+TEST(Editor, NothingIsForgottenWhileEditsAreInTheQueue) {
     const auto ground = test::small_world(HeightPrecision::bits32);
     Editor editor(*ground, nullptr, 1);
     for (int i = 0; i < 3; ++i) ASSERT_TRUE(editor.stamp(dent()).ok());
-    std::vector<GroundEdit> taken = editor.take_queue();
-    ASSERT_TRUE(editor.stamp(dent()).ok());
-    taken.erase(taken.begin());
-    editor.put_back(std::move(taken));
     editor.applied();  // not yet
-    EXPECT_EQ(editor.history().undoable(), 4u);
-    std::vector<std::uint64_t> sequences;
-    for (const GroundEdit& edit : editor.take_queue()) sequences.push_back(edit.record.sequence);
-    EXPECT_EQ(sequences, (std::vector<std::uint64_t>{2, 3, 4}));
+    EXPECT_EQ(editor.history().undoable(), 3u);
+    EXPECT_EQ(editor.take_queue().size(), 3u);
     editor.applied();
     EXPECT_EQ(editor.history().undoable(), 0u);
 }

@@ -29,7 +29,7 @@ struct BlobKey {
 /// The interface that a host implements to keep worlds elsewhere (a database, a console's save system).
 ///
 /// What is `put` is seen by `get` at once, and becomes durable with the next `commit`, all of it together: after a
-/// crash the store is exactly as of its last commit. Blobs of up to 64 MiB; a page has 20 bytes to 16 KiB.
+/// crash the store is exactly as of its last commit. Blobs of up to 64 MiB; a page has 16 bytes to 16.5 KiB.
 /// Threads: one call at a time, on whatever thread.
 class BlobStore {
 public:

@@ -113,10 +113,6 @@ Result<void> Editor::recover(const Edit& edit) {
     return {};
 }
 
-void Editor::put_back(std::vector<GroundEdit> edits) {
-    queue_.insert(queue_.begin(), std::make_move_iterator(edits.begin()), std::make_move_iterator(edits.end()));
-}
-
 void Editor::applied() {
     if (!queue_.empty()) return;
     history_.set_replaying(false);

@@ -45,8 +45,6 @@ public:
 
     [[nodiscard]] bool is_empty() const { return queue_.empty(); }
     std::vector<GroundEdit> take_queue() { return std::exchange(queue_, {}); }
-    /// Puts edits that could not be applied back to the front.
-    void put_back(std::vector<GroundEdit> edits);
     /// After edits were applied: the history keeps to its bound. Does nothing while edits are in the queue.
     void applied();
 

@@ -22,7 +22,7 @@ Result<std::unique_ptr<SavedGround>> SavedGround::open(std::unique_ptr<Ground> g
     if (const Result<void> ordered = saved->editor_.recover(recovered); !ordered) return ordered.error();
     auto changed = restore_detail(*saved->world_, recovered, saved->editor_.history(), *saved->ground_);
     if (!changed) return changed.error();
-    saved->changed_tiles_ = std::move(*changed);
+    saved->changed_.note(*changed);
     saved->apply_queue();
     saved->reports_ = std::move(recovered.reports);
     std::vector<Error> of_pages = saved->world_->take_errors();
@@ -31,14 +31,8 @@ Result<std::unique_ptr<SavedGround>> SavedGround::open(std::unique_ptr<Ground> g
 }
 
 void SavedGround::apply_queue() {
-    const TileGrid tiles{.size = ground_->settings().tile_size, .map = ground_->map(MapKind::Detail).grid.rect()};
     for (const GroundEdit& edit : editor_.take_queue()) {
-        for (const ChangedRect& changed : changed_by(*ground_, edit)) {
-            if (changed.map == MapKind::Coarse)
-                for_each_page(pages_of(changed.rect), [&](PageIndex page) { changed_coarse_.insert(page); });
-            else
-                for_each_tile(tiles_of(tiles, changed.rect), [&](TileIndex tile) { changed_tiles_.insert(tile); });
-        }
+        changed_.note(*ground_, edit);
         apply_edit(*ground_, edit);
     }
     editor_.applied();
@@ -70,22 +64,15 @@ Result<void> SavedGround::redo() {
 
 Snapshot SavedGround::snapshot() {
     Snapshot snapshot = editor_.begin_snapshot();
-    for (const PageIndex page : std::exchange(changed_coarse_, {}))
-        snapshot.coarse.push_back({page, std::make_shared<PageCodes>(page_of_field(ground_->coarse(), page))});
-    const TileGrid tiles{.size = ground_->settings().tile_size, .map = ground_->map(MapKind::Detail).grid.rect()};
-    for (const TileIndex tile : std::exchange(changed_tiles_, {}))
-        snapshot.tiles.push_back({.tile = tile,
-                                  .has_codes = true,
-                                  .pages = ground_->detail().pages_in(pages_of(tiles.interior(tile))),
-                                  .waiting = {}});
+    changed_.take_coarse(*ground_, snapshot);
+    changed_.take_tiles(*ground_, snapshot);
     return snapshot;
 }
 
 void SavedGround::finish(const Snapshot& snapshot, const Result<void>& outcome) {
     if (outcome) return;
     editor_.snapshot_failed();
-    for (const Page& page : snapshot.coarse) changed_coarse_.insert(page.index);
-    for (const TileSnapshot& tile : snapshot.tiles) changed_tiles_.insert(tile.tile);
+    changed_.put_back(snapshot);
 }
 
 Result<void> SavedGround::save() {

@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "tilth/core/result.h"
 #include "tilth/ground/ground.h"
+#include "tilth/store/changed_parts.h"
 #include "tilth/store/editor.h"
 #include "tilth/store/snapshot.h"
 #include "tilth/store/world_folder.h"
@@ -55,8 +55,7 @@ private:
     std::shared_ptr<WorldFolder> world_;
     Editor editor_;
     std::vector<Error> reports_;
-    std::set<PageIndex> changed_coarse_;
-    std::set<TileIndex> changed_tiles_;
+    ChangedParts changed_;
 };
 
 }  // namespace tilth
