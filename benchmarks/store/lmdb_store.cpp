@@ -113,10 +113,9 @@ public:
         return {};
     }
     [[nodiscard]] std::uint64_t mark() const override { return mark_; }
-    [[nodiscard]] std::optional<std::uint64_t> mark_of(BlobKey) const override { return std::nullopt; }
     [[nodiscard]] Size size() const override { return {0, bytes_in(folder_)}; }
     /// Pages that are free are used again; giving them back would be a copy of everything, by the host.
-    Result<bool> compact(std::uint64_t) override { return false; }
+    Result<bool> compact(std::uint64_t, bool = false) override { return false; }
 
 private:
     Result<void> begin() {

@@ -88,9 +88,8 @@ public:
         return {};
     }
     [[nodiscard]] std::uint64_t mark() const override { return mark_; }
-    [[nodiscard]] std::optional<std::uint64_t> mark_of(BlobKey) const override { return std::nullopt; }
     [[nodiscard]] Size size() const override { return {0, bytes_in(std::filesystem::path(path_).parent_path())}; }
-    Result<bool> compact(std::uint64_t) override {
+    Result<bool> compact(std::uint64_t, bool = false) override {
         for (const char* sql : {"VACUUM", "PRAGMA wal_checkpoint(TRUNCATE)"})
             if (sqlite3_exec(db_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) return failed(sql);
         return false;

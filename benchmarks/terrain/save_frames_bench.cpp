@@ -3,9 +3,9 @@
 // time of the frame's thread. 1 025 posts 0.1 m apart over 2 x 2 tiles, all dented, all resident; a walker leaves a
 // print each fourth frame, a crater on the detail map each seventh and one on the coarse map each 31st. A save is begun
 // each 40 frames: with what those frames dented, or with every page of the map changed. A frame is its stamps, an
-// update, a draw of 640 x 360 and glFinish; frames in which the store gives space back, and the ones after them, count
-// as neither. What only the GPU has is held against a plain glReadPixels of the same number of bytes; `stall` once more
-// as a host without glFinish has it: behind a draw that is still queued.
+// update, a draw of 640 x 360 and glFinish; those in which all pages are changed or the store gives space back, and the
+// ones after them, count as neither. What only the GPU has is held against a plain glReadPixels of the same number of
+// bytes; `stall` once more as a host without glFinish has it: behind a draw that is still queued.
 //
 // The CPU time of the frame's thread is all of a frame only where it draws too: LP_NUM_THREADS=0 in the environment
 // makes llvmpipe do that. Otherwise its own threads draw, and share the cores with the thread that writes.
@@ -271,6 +271,7 @@ private:
         if (stats.store.snapshots > 0) gives_back_ = true;  // until the store says that it has
         if (stats.store.compactions > 0) gives_back_ = false;
         if (saving || gives_back_ || stats.store.compactions > 0 || plan_.batters(number_)) rest_ = kRest;
+        if (plan_.batters(number_)) return Kind::Neither;
         if (saving) return Kind::Saving;
         return rest_-- > 0 ? Kind::Neither : (rest_ = 0, Kind::Still);
     }

@@ -176,7 +176,9 @@ Result<void> Terrain::Impl::recover(RecoveredWorld& recovered) {
     }
     world->report(std::move(recovered.reports));
     if (recovered.repaired > 0) world->begin_save();  // or the next opening would have to do it again
-    return apply_queue(before);
+    // What the GPU refuses, the CPU has done: told, and no reason to leave the world closed.
+    if (const Result<void> applied = apply_queue(before); !applied) world->report({applied.error()});
+    return {};
 }
 
 Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSource> source,
@@ -267,9 +269,8 @@ Result<void> Terrain::Impl::apply_queue(gl::FrameStats& stats) {
     if (world) world->note(edits);
     std::vector<GroundEdit> coarse, detail;
     for (const GroundEdit& edit : edits) {
-        const bool is_undo = edit.kind == GroundEdit::Kind::Undo;
-        if (is_undo || edit.record.map == MapKind::Coarse) coarse.push_back(edit);
-        if (is_undo || edit.record.map == MapKind::Detail) detail.push_back(edit);
+        if (concerns(edit, MapKind::Coarse)) coarse.push_back(edit);
+        if (concerns(edit, MapKind::Detail)) detail.push_back(edit);
     }
     const Result<void> dented = apply_detail(detail, stats);
     const Result<void> applied = apply_coarse(coarse, stats);

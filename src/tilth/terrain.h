@@ -54,7 +54,8 @@ struct WorldSettings {
     /// When a stamp becomes durable, what old journal is kept, bounds of disk space.
     WorldOptions options;
     /// A snapshot is taken in the background when the journal has so many edits that the pages lack: more means fewer
-    /// writes and a longer opening (about a microsecond an edit, and its stamp when its tile is loaded). At least 1.
+    /// writes, longer ones (the coarse pages that changed are copied in one frame, 16 KiB for 64 x 64 posts), and a
+    /// longer opening (about a microsecond an edit, and its stamp when its tile is loaded). At least 1.
     std::uint64_t snapshot_edits = 1u << 14;
 };
 
@@ -128,6 +129,8 @@ public:
     [[nodiscard]] const Ground& ground() const;
 
     /// Checks and queues one stamp; returns its record. Fails with the field's name and changes nothing.
+    /// In a world on disk the first stamp with a shape of the host's own writes that shape, and waits for the disk;
+    /// fails where that does not work.
     Result<StampRecord> stamp(const StampRequest& request);
 
     /// Queues a record made earlier or elsewhere. It keeps its own sequence number.

@@ -10,21 +10,25 @@ namespace {
 
 constexpr std::uint32_t kWritePriority = 600, kCompactPriority = 5000;  // loads for the frame that is drawn have 0..999
 constexpr std::uint64_t kCompactStep = 4u << 20;
-constexpr int kFramesToPrepare = 4;
-constexpr double kRetryMs = 1000;
+constexpr int kMostFramesToPrepare = 30;
+constexpr std::size_t kFewPages = 128;  // 2 MiB: what a frame may wait for
+constexpr double kRetryMs = 1000, kCompactAgainMs = 60000;
 
 }  // namespace
 
 WorldStage::WorldStage(Ground& ground, Editor& editor, const WorldSettings& settings, CoarseStage* coarse,
                        DetailStage* detail)
-    : ground_(ground), editor_(editor), settings_(settings), coarse_(coarse), detail_(detail) {
+    : ground_(ground),
+      editor_(editor),
+      settings_(settings),
+      coarse_(coarse),
+      detail_(detail),
+      changed_(detail == nullptr) {
     if (detail_ == nullptr) worker_ = std::make_unique<DiskWorker>(editor.world());
 }
 
 void WorldStage::note(std::span<const GroundEdit> edits) {
-    for (const GroundEdit& edit : edits)
-        if (detail_ == nullptr || edit.kind == GroundEdit::Kind::Undo || edit.record.map == MapKind::Coarse)
-            changed_.note(ground_, edit);
+    for (const GroundEdit& edit : edits) changed_.note(ground_, edit);
 }
 
 Result<void> WorldStage::restore_detail(const RecoveredWorld& recovered) {
@@ -45,13 +49,16 @@ void WorldStage::update(gl::FrameStats& stats) {
     poll(stats.store);
     const double now_ms = clock_ms();
     if (!is_due(now_ms)) return;
-    // What the GPU alone has is asked for first: some frames later less is left to wait for.
-    if (detail_ != nullptr && preparing_++ < kFramesToPrepare) {
-        detail_->prepare_snapshot(stats);
-        if (preparing_ < kFramesToPrepare && detail_->cache().is_reading_back()) return;
-    }
-    begin(stats);
+    if (is_prepared(stats)) begin(stats);
     stats.store.snapshot_ms += clock_ms() - now_ms;
+}
+
+/// What the GPU alone has is asked for first: some frames later less is left to wait for. Where stamping goes on, there
+/// is always something.
+bool WorldStage::is_prepared(gl::FrameStats& stats) {
+    if (detail_ == nullptr || detail_->cache().pages_ahead() == 0 || preparing_ >= kMostFramesToPrepare) return true;
+    detail_->prepare_snapshot(stats);
+    return ++preparing_ > 2 && detail_->cache().pages_ahead() <= kFewPages;
 }
 
 /// False while edits wait for tiles: of no moment are all of them in the codes.
@@ -107,7 +114,7 @@ void WorldStage::finish(const std::shared_ptr<DiskRequest>& done, gl::StoreStats
             if (!reported_) errors_.push_back(done->outcome.error());
             reported_ = true;
             retry_at_ms_ = clock_ms() + kRetryMs;
-            editor_.snapshot_failed();
+            editor_.snapshot_failed(*snapshot_);
             changed_.put_back(*snapshot_);
             if (detail_ != nullptr) detail_->cache().snapshot_failed(snapshot_->tiles);
             asked_ = true;  // again
@@ -118,16 +125,20 @@ void WorldStage::finish(const std::shared_ptr<DiskRequest>& done, gl::StoreStats
     } else if (done == compacting_) {
         compacting_ = nullptr;
         ++stats.compactions;
-        if (!done->outcome)
-            errors_.push_back(done->outcome.error());
-        else if (*more_to_compact_)
-            begin_compaction();
+        if (done->outcome) {
+            compaction_failed_ = false;
+            if (*more_to_compact_) begin_compaction();
+        } else {
+            if (!compaction_failed_) errors_.push_back(done->outcome.error());
+            compaction_failed_ = true;
+            compact_at_ms_ = clock_ms() + kCompactAgainMs;
+        }
     }
     done->action = nullptr;  // with its shares of codes, on this thread
 }
 
 void WorldStage::begin_compaction() {
-    if (compacting_ != nullptr) return;
+    if (compacting_ != nullptr || clock_ms() < compact_at_ms_) return;
     compacting_ = DiskRequest::work(
         [world = editor_.world(), more = more_to_compact_]() -> Result<void> {
             const Result<bool> left = world->compact(kCompactStep);

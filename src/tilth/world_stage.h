@@ -51,6 +51,7 @@ public:
 private:
     [[nodiscard]] WorldFolder& world() const { return *editor_.world(); }
     [[nodiscard]] bool is_due(double now_ms) const;
+    bool is_prepared(gl::FrameStats& stats);
     bool begin(gl::FrameStats& stats);
     void submit(std::shared_ptr<DiskRequest> work);
     void poll(gl::StoreStats& stats);
@@ -70,9 +71,9 @@ private:
     std::shared_ptr<bool> more_to_compact_ = std::make_shared<bool>(false);
     std::vector<Error> errors_;
     Result<void> outcome_;  ///< of the last snapshot
-    bool asked_ = false, reported_ = false;
+    bool asked_ = false, reported_ = false, compaction_failed_ = false;
     int preparing_ = 0;  ///< frames since read-backs for a snapshot were begun
-    double retry_at_ms_ = 0;
+    double retry_at_ms_ = 0, compact_at_ms_ = 0;
 };
 
 }  // namespace tilth

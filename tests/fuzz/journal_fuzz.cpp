@@ -115,6 +115,20 @@ bool is_overlapping(const Disk& disk) {
     return false;
 }
 
+/// A good entry stands where edit `number`, or a later one, belongs.
+bool has_entry_from(const Disk& disk, std::uint64_t number) {
+    for (const auto& [path, bytes] : disk) {
+        const std::uint64_t first = *number_of_segment(path.substr(6));
+        for (std::uint64_t at = kJournalHeaderBytes; at + kJournalEntryBytes <= bytes.size();
+             at += kJournalEntryBytes) {
+            const std::uint64_t here = first + at / kJournalEntryBytes - 1;
+            const auto entry = std::span(bytes).subspan(at).first<kJournalEntryBytes>();
+            if (here >= number && decode_entry(entry, here, kSalt)) return true;
+        }
+    }
+    return false;
+}
+
 struct Opened {
     std::unique_ptr<Journal> journal;
     JournalReport report;
@@ -155,6 +169,8 @@ void run(Input input) {
     check(first.report.truncated_bytes <= bytes, "no more is cut off than there was");
     for (std::size_t i = 0; i < first.tail.size(); ++i) check_written(disk, first.tail[i], from + 1 + i);
     if (is_overlapping(disk)) return;
+    check(!first.report.damage.empty() || !has_entry_from(disk, from + first.tail.size() + 1),
+          "what is cut off in silence has no entry");
 
     // A crash right now changes nothing of what was handed out.
     const std::unique_ptr<FaultFiles> after = files.crash(input.byte());

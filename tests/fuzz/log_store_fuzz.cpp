@@ -43,7 +43,8 @@ private:
     BlobKey key() {
         const std::uint8_t which = input_.byte();
         if (which == 255)
-            return {static_cast<BlobKind>(input_.byte()), input_.number<std::int32_t>(), input_.number<std::int32_t>()};
+            return {static_cast<BlobKind>(1 + input_.below(255)), input_.number<std::int32_t>(),
+                    input_.number<std::int32_t>()};
         return {static_cast<BlobKind>(1 + which % 5), which / 5 % 4, 0};
     }
     /// Mostly one where something lies.
@@ -62,7 +63,7 @@ private:
         if (header.type == FrameType::Index) payload = index();
         header.length = static_cast<std::uint32_t>(payload.size());
         header.payload_hash = hash_bytes(payload);
-        if (how >= 240) header.length = input_.number<std::uint32_t>();
+        if (how >= 240) header.length = input_.number<std::uint32_t>() | 1u << 20;  // more than there is
         if (how % 64 == 63) header.payload_hash ^= 1;
         const std::uint64_t offset = bytes_.size();
         append(bytes_, encode_frame_header(header, tag_, offset));
@@ -146,6 +147,24 @@ Disk content_of(const FaultFiles& files) {
     return disk;
 }
 
+/// The blobs that stand in a file with all their checksums right.
+std::set<std::pair<BlobKey, Bytes>> blobs_in(const Disk& disk) {
+    std::set<std::pair<BlobKey, Bytes>> blobs;
+    for (std::uint64_t number = 1; number <= 2; ++number) {
+        const auto file = disk.find("world/" + file_name(number));
+        if (file == disk.end()) continue;
+        const std::span<const std::byte> bytes = file->second;
+        for (std::size_t at = 0; at + kFrameHeaderBytes <= bytes.size(); ++at) {
+            if (bytes[at] != kFrameMagic[0]) continue;
+            const auto header = decode_frame_header(bytes.subspan(at), {kSalt, number}, at);
+            if (!header || header->type != FrameType::Blob || header->bytes() > bytes.size() - at) continue;
+            const auto payload = bytes.subspan(at + kFrameHeaderBytes, header->length);
+            if (hash_bytes(payload) == header->payload_hash) blobs.emplace(header->key, copy_of(payload));
+        }
+    }
+    return blobs;
+}
+
 /// All that can be seen of a store; a damaged blob has no bytes.
 struct State {
     std::uint64_t mark = 0;
@@ -200,6 +219,9 @@ void run(Input input) {
         return;
     }
     const State found = state_of(**opened);
+    const auto written = blobs_in(disk);
+    for (const auto& [key, blob] : found.blobs)
+        check(!blob || written.contains({key, *blob}), "a blob that is got stands in a file, under its key");
     check(files.counts().most_read_bytes <= most, "reads are no larger than the file");
     opened->reset();
     // A crash right now changes nothing of what was seen.

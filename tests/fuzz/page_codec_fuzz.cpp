@@ -67,7 +67,13 @@ Bytes sealed_page(std::uint8_t form, std::uint8_t width, std::uint32_t code, con
     return blob;
 }
 
-void check_page(std::span<const std::byte> blob, const PageCodes* expected) {
+/// `expected`: nullptr where it is not known whether it is good.
+void check_page(Bytes blob, const PageCodes* expected) {
+    if (expected != nullptr) {
+        blob[8] ^= std::byte{1};
+        check(!decode_page(blob, "page").ok(), "a page with another checksum is refused");
+        blob[8] ^= std::byte{1};
+    }
     const auto codes = decode_page(blob, "page");
     if (!codes) {
         check(codes.error().code == ErrorCode::FileFormat && codes.error().message.starts_with("page: "),
@@ -104,7 +110,12 @@ void pages(Input& input, bool is_raw_frame) {
     check_page(sealed_page(form, width, 0, codes, frame_of(content)), &codes);
 }
 
-void check_records(std::span<const std::byte> blob, const Bytes* expected) {
+void check_records(Bytes blob, const Bytes* expected) {
+    if (expected != nullptr) {
+        blob[8] ^= std::byte{1};
+        check(!decode_records(blob, kMostRecords, "records").ok(), "records with another checksum are refused");
+        blob[8] ^= std::byte{1};
+    }
     const auto records = decode_records(blob, kMostRecords, "records");
     if (!records) {
         check(records.error().code == ErrorCode::FileFormat && records.error().message.starts_with("records: "),
@@ -157,9 +168,9 @@ void run(Input input) {
         case 3:
             return records(input, how % 6 == 3);
         case 4:
-            return check_page(input.rest(), nullptr);
+            return check_page(copy_of(input.rest()), nullptr);
         default:
-            return check_records(input.rest(), nullptr);
+            return check_records(copy_of(input.rest()), nullptr);
     }
 }
 

@@ -71,6 +71,7 @@ void waiting(std::span<const std::byte> blob) {
     const Result<std::vector<WaitingStamp>> read = decode_waiting(blob, "blob");
     check_error(read);
     if (!read) return;
+    check(read->size() * 80 == get_field<std::uint32_t>(blob, 12), "the stamps are all there is");
     const Result<std::vector<WaitingStamp>> again = decode_waiting(encode_waiting(*read), "blob");
     check(again.ok() && std::ranges::equal(*read, *again, is_same), "waiting stamps come back");
 }
@@ -82,7 +83,13 @@ bool is_same(const Stroke::Images& a, const Stroke::Images& b) {
     });
 }
 
-void stroke(const std::vector<Bytes>& parts, std::uint64_t number) {
+/// What the fields of a stroke's parts say of it.
+struct Stated {
+    bool is_bad = false;        ///< an image of a map that does not exist
+    std::uint64_t version = 0;  ///< of the last part
+};
+
+void stroke(const std::vector<Bytes>& parts, std::uint64_t number, const Stated* stated = nullptr) {
     if (!parts.empty()) {
         const Result<std::uint32_t> count = parts_of_stroke(parts.front(), "blob");
         check_error(count);
@@ -92,6 +99,7 @@ void stroke(const std::vector<Bytes>& parts, std::uint64_t number) {
     check_error(read);
     if (!read) return;
     check((*read)->number == number && !(*read)->records.empty(), "a stroke has stamps");
+    check(stated == nullptr || (!stated->is_bad && (*read)->version == stated->version), "a stroke is what it says");
     for (const HeightPrecision precision : {HeightPrecision::bits32, HeightPrecision::bits16}) {
         const std::vector<Bytes> written = encode_stroke(**read, precision);
         const Result<StrokePtr> again = decode_stroke(written, number, "blob");
@@ -102,7 +110,7 @@ void stroke(const std::vector<Bytes>& parts, std::uint64_t number) {
 }
 
 /// Its header and lists are in order, but for what the fuzzer wants otherwise.
-Bytes made_part(Input& input, std::uint32_t part, std::uint32_t parts, std::uint64_t number) {
+Bytes made_part(Input& input, std::uint32_t part, std::uint32_t parts, std::uint64_t number, Stated& stated) {
     const std::uint8_t how = input.byte();
     Bytes blob(32);
     const std::uint32_t images = input.byte() % 4;
@@ -111,7 +119,8 @@ Bytes made_part(Input& input, std::uint32_t part, std::uint32_t parts, std::uint
     put_field(blob, 8, how % 16 == 2 ? input.number<std::uint32_t>() : parts);
     put_field(blob, 12, how % 16 == 3 ? input.number<std::uint32_t>() : images);
     put_field(blob, 16, how % 16 == 4 ? input.any_number() : number);
-    put_field(blob, 24, std::uint64_t{input.byte()});
+    stated.version = input.byte();
+    put_field(blob, 24, stated.version);
     const auto sized = [&](const Bytes& bytes) {
         const auto size = how % 16 == 5 ? input.number<std::uint32_t>() : static_cast<std::uint32_t>(bytes.size());
         append(blob, std::as_bytes(std::span(&size, 1)));
@@ -120,6 +129,7 @@ Bytes made_part(Input& input, std::uint32_t part, std::uint32_t parts, std::uint
     sized(encode_records(how >= 128 ? copy_of(input.piece(200)) : good_records(input, 64), 64));
     for (std::uint32_t i = 0; i < images; ++i) {
         const std::uint32_t map = how % 16 == 6 ? input.byte() : input.byte() & 1;
+        stated.is_bad |= map > 1;
         append(blob, std::as_bytes(std::span(&map, 1)));
         const std::uint64_t place = input.number<std::uint16_t>();
         append(blob, std::as_bytes(std::span(&place, 1)));
@@ -133,7 +143,6 @@ Bytes made_part(Input& input, std::uint32_t part, std::uint32_t parts, std::uint
             codes[at] = std::to_integer<std::uint32_t>(pattern[at / 64 % pattern.size()]) << 20;
         sized(encode_page(codes, HeightPrecision::bits32));
     }
-    if (how % 16 == 7) damage(blob, input);
     return blob;
 }
 
@@ -153,7 +162,11 @@ void run(Input input) {
             const auto parts = static_cast<std::uint32_t>(1 + input.below(3));
             const std::uint64_t number = input.any_number();
             std::vector<Bytes> made;
-            for (std::uint32_t part = 0; part < parts; ++part) made.push_back(made_part(input, part, parts, number));
+            Stated stated;
+            for (std::uint32_t part = 0; part < parts; ++part)
+                made.push_back(made_part(input, part, parts, number, stated));
+            if (how < 192) return stroke(made, number, &stated);
+            damage(made.back(), input);
             return stroke(made, number);
         }
         case 6:

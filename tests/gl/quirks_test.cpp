@@ -36,8 +36,7 @@ TEST(FrameStats, totals_add_every_member) {
     frame.cache = {n, n + 1, n + 2, n + 3, n + 4, n + 5, n + 6, n + 7, static_cast<double>(n + 8)};
     frame.store = {n + 9, n + 10, n + 11, static_cast<double>(n + 12)};
     // No padding: every member of the struct is eight bytes, so all of them can be walked.
-    static_assert(sizeof(StageStats) == 8 * 8 + 8 && sizeof(CacheStats) == 8 * 8 + 8 &&
-                  sizeof(StoreStats) == 4 * 8 &&
+    static_assert(sizeof(StageStats) == 8 * 8 + 8 && sizeof(CacheStats) == 8 * 8 + 8 && sizeof(StoreStats) == 4 * 8 &&
                   sizeof(FrameStats) == 4 * sizeof(StageStats) + 16 + sizeof(CacheStats) + sizeof(StoreStats));
     FrameStats total = frame;
     total += frame;
@@ -53,8 +52,7 @@ TEST(FrameStats, totals_add_every_member) {
     EXPECT_EQ(total.transfer, (TransferStats{2 * n, 2 * n + 2}));
     EXPECT_EQ(total.cache, (CacheStats{2 * n, 2 * n + 2, 2 * n + 4, 2 * n + 6, 2 * n + 8, 2 * n + 10, 2 * n + 12,
                                        2 * n + 14, static_cast<double>(2 * n + 16)}));
-    EXPECT_EQ(total.store,
-              (StoreStats{2 * n + 18, 2 * n + 20, 2 * n + 22, static_cast<double>(2 * n + 24)}));
+    EXPECT_EQ(total.store, (StoreStats{2 * n + 18, 2 * n + 20, 2 * n + 22, static_cast<double>(2 * n + 24)}));
     EXPECT_EQ(total.fallbacks(), 2 * frame.fallbacks());
 }
 

@@ -178,7 +178,7 @@ TEST(UndoHistory, FindsByNumberInBothLists) {
 TEST(UndoHistory, RestoredListsGoOnWhereTheyWere) {
     UndoHistory history = history_of(5, 1u << 20);
     ASSERT_TRUE(history.undo().ok() && history.undo().ok());
-    const auto copies = [](const std::vector<StrokePtr>& strokes) {
+    const auto copies = [](const auto& strokes) {
         std::vector<StrokePtr> made;
         for (const StrokePtr& stroke : strokes) {
             made.push_back(std::make_shared<Stroke>());

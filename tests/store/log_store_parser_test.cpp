@@ -73,7 +73,7 @@ struct Opened {
 
 /// Every blob of `expected` is got, or its error names file and offset; there is no other. Returns the number of
 /// errors.
-int expect_blobs(LogStore& store, const Committed& expected) {
+int expect_blobs(LogStore& store, const Committed& expected, const std::string& file = kFile) {
     int errors = 0;
     std::size_t listed = 0;
     for (int kind = 1; kind <= 5; ++kind) listed += (*store.keys(static_cast<BlobKind>(kind))).size();
@@ -84,7 +84,7 @@ int expect_blobs(LogStore& store, const Committed& expected) {
         if (!blob) {
             ++errors;
             EXPECT_EQ(blob.error().code, ErrorCode::FileFormat);
-            EXPECT_NE(blob.error().message.find(kFile + ": at byte "), std::string::npos) << blob.error().message;
+            EXPECT_NE(blob.error().message.find(file + ": at byte "), std::string::npos) << blob.error().message;
             continue;
         }
         EXPECT_TRUE((*blob).has_value());
@@ -99,7 +99,7 @@ int expect_blobs(LogStore& store, const Committed& expected) {
 }
 
 /// It can be worked on, and is in order then, but for the blobs that are damaged.
-void expect_works_on(Opened& opened, const Committed& expected, int errors) {
+void expect_works_on(Opened& opened, const Committed& expected, int errors, const std::string& file = kFile) {
     ASSERT_TRUE((*opened.store)->put({BlobKind::World, 1000, 0}, Bytes(100)).ok());
     ASSERT_TRUE((*opened.store)->commit(1000).ok());
     opened.store = Error{};
@@ -110,7 +110,7 @@ void expect_works_on(Opened& opened, const Committed& expected, int errors) {
     next.blobs[{BlobKind::World, 1000, 0}] = Bytes(100);
     next.marks[{BlobKind::World, 1000, 0}] = 1000;
     EXPECT_FALSE(opened.report.was_scanned);
-    EXPECT_EQ(expect_blobs(**opened.store, next), errors);
+    EXPECT_EQ(expect_blobs(**opened.store, next, file), errors);
 }
 
 TEST(LogStoreParser, TheSampleIsInOrder) {
@@ -156,6 +156,148 @@ TEST(LogStoreParser, OneFlippedBitCostsAtMostOneBlob) {
     }
     EXPECT_GT(with_errors, 500);
     EXPECT_GT(worked_on, 500);
+}
+
+/// A file of few commits, and the last of them.
+struct Small {
+    std::string name;
+    Bytes file;
+    Committed last;
+};
+
+enum class History { OneCommit, TwoCommits, Compacted };
+
+Small small_file(History history) {
+    FaultFiles disk;
+    EXPECT_TRUE(disk.make_folder(kFolder).ok());
+    LogStoreReport report;
+    auto store = open_store(disk, report, {.most_waste = 0, .least_waste_bytes = 0});
+    SplitMix64 random{55};
+    Small made;
+    const auto put = [&](std::int32_t x, std::uint64_t mark) {
+        const BlobKey key{BlobKind::DetailPage, x, 0};
+        made.last.blobs[key] = random_bytes(random, 20 + random.next() % 300);
+        made.last.marks[key] = mark;
+        EXPECT_TRUE((*store)->put(key, made.last.blobs[key]).ok());
+    };
+    for (std::int32_t x = 0; x < 5; ++x) put(x, 100);
+    made.last.mark = 100;
+    EXPECT_TRUE((*store)->commit(100).ok());
+    if (history != History::OneCommit) {
+        for (std::int32_t x = 2; x < 7; ++x) put(x, 200);
+        const BlobKey erased{BlobKind::DetailPage, 0, 0};
+        made.last.blobs.erase(erased), made.last.marks.erase(erased);
+        EXPECT_TRUE((*store)->erase(erased).ok());
+        made.last.mark = 200;
+        EXPECT_TRUE((*store)->commit(200).ok());
+    }
+    if (history == History::Compacted)
+        while (*(*store)->compact(1u << 20)) {
+        }
+    made.name = disk.paths().front();
+    made.file = disk.bytes(made.name);
+    return made;
+}
+
+FileTag tag_of(const Small& small) { return {kSalt, *number_of(small.name.substr(std::string(kFolder).size() + 1))}; }
+
+std::optional<Superblock> superblock_of(const Bytes& file, const FileTag& tag, unsigned slot) {
+    return decode_superblock(std::span(file).subspan(superblock_offset(slot)), tag, slot);
+}
+
+unsigned newest_slot(const Small& small) {
+    const FileTag tag = tag_of(small);
+    return superblock_of(small.file, tag, 0)->generation > superblock_of(small.file, tag, 1)->generation ? 0 : 1;
+}
+
+struct Place {
+    std::uint64_t offset = 0;
+    FrameHeader header;
+};
+std::vector<Place> frames_of(const Small& small) {
+    std::vector<Place> frames;
+    for (std::uint64_t at = kFirstFrame; at < small.file.size(); at += frames.back().header.bytes())
+        frames.push_back({at, *decode_frame_header(std::span(small.file).subspan(at), tag_of(small), at)});
+    return frames;
+}
+
+void flip(Bytes& file, std::uint64_t at) { file[at] ^= std::byte{0x10}; }
+
+// Both at once: any byte of any superblock, and any blob. What was committed stays so, but for that blob.
+TEST(LogStoreParser, ADamagedSuperblockAndADamagedBlobCostThatBlobAlone) {
+    for (const History history : {History::OneCommit, History::TwoCommits, History::Compacted}) {
+        const Small good = small_file(history);
+        int costly = 0;
+        for (const Place& frame : frames_of(good)) {
+            if (frame.header.type == FrameType::Index) continue;
+            for (const unsigned slot : {0u, 1u})
+                for (std::uint64_t byte = 0; byte < kSuperblockBytes; ++byte) {
+                    Bytes file = good.file;
+                    flip(file, superblock_offset(slot) + byte);
+                    // By turns in the frame's header and in its payload.
+                    flip(file, frame.offset + (byte % 2 == 0 || frame.header.length == 0 ? byte / 2 % kFrameHeaderBytes
+                                                                                         : kFrameHeaderBytes + 3));
+                    Opened opened(file, good.name);
+                    ASSERT_TRUE(opened.store.ok()) << opened.store.error().message;
+                    EXPECT_EQ(opened.report.truncated_bytes, 0u);
+                    // The newest superblock is made again without a word where all that it stood for is sound.
+                    const bool is_silent = slot == newest_slot(good) &&
+                                           frame.offset < superblock_of(good.file, tag_of(good), slot ^ 1)->end;
+                    EXPECT_EQ(opened.report.damage.empty(), is_silent);
+                    EXPECT_FALSE(opened.report.may_miss_blobs);
+                    const int errors = expect_blobs(**opened.store, good.last, good.name);
+                    EXPECT_LE(errors, 1);
+                    costly += errors;
+                    if (errors == 1) {
+                        EXPECT_FALSE((*opened.store)->get(frame.header.key).ok());
+                    }
+                    for (const unsigned now : {0u, 1u})
+                        EXPECT_TRUE(superblock_of(opened.disk.bytes(good.name), tag_of(good), now)) << "not repaired";
+                    expect_works_on(opened, good.last, errors, good.name);
+                    ASSERT_FALSE(testing::Test::HasFailure())
+                        << "history " << static_cast<int>(history) << ", slot " << slot << ", byte " << byte
+                        << ", frame at " << frame.offset;
+                }
+        }
+        EXPECT_EQ(costly, static_cast<int>(good.last.blobs.size() * 2 * kSuperblockBytes));
+    }
+}
+
+// Without its index there is no telling what a commit had: nothing of the file is destroyed.
+TEST(LogStoreParser, ADamagedSuperblockAndADamagedIndexOfTheOnlyCommitPutTheFileAside) {
+    for (const History history : {History::OneCommit, History::Compacted}) {
+        const Small good = small_file(history);
+        Bytes file = good.file;
+        flip(file, superblock_offset(newest_slot(good)) + 9);
+        for (const Place& frame : frames_of(good))
+            if (frame.header.type == FrameType::Index) flip(file, frame.offset + kFrameHeaderBytes);
+        Opened opened(file, good.name);
+        ASSERT_TRUE(opened.store.ok());
+        EXPECT_EQ((*opened.store)->mark(), 0u);
+        EXPECT_TRUE(opened.report.may_miss_blobs);
+        EXPECT_FALSE(opened.report.damage.empty());
+        EXPECT_EQ(opened.disk.bytes(good.name + ".damaged"), file);
+    }
+}
+
+// A file that was compacted away is back, and its successor is in a bad way: the one counts, the other is kept.
+TEST(LogStoreParser, AnOlderFileIsKeptWhereTheNewestIsDamaged) {
+    const Small old = small_file(History::TwoCommits), good = small_file(History::Compacted);
+    ASSERT_NE(old.name, good.name);
+    Bytes file = good.file;
+    flip(file, superblock_offset(newest_slot(good)) + 9);
+    flip(file, frames_of(good)[1].offset + kFrameHeaderBytes);
+    FaultFiles disk;
+    ASSERT_TRUE(disk.make_folder(kFolder).ok());
+    disk.set_bytes(old.name, old.file);
+    disk.set_bytes(good.name, file);
+    LogStoreReport report;
+    auto store = open_store(disk, report);
+    ASSERT_TRUE(store.ok());
+    EXPECT_EQ(expect_blobs(**store, good.last, good.name), 1);
+    EXPECT_FALSE(report.may_miss_blobs);
+    EXPECT_EQ(disk.paths(), (std::vector<std::string>{old.name + ".damaged", good.name}));
+    EXPECT_EQ(disk.bytes(old.name + ".damaged"), old.file);
 }
 
 TEST(LogStoreParser, CutShortAnywhereItIsAsOfACommitThatItHas) {

@@ -238,6 +238,36 @@ TEST(LogStore, CompactionAsAskedForEnds) {
     worker.expect_visible();
 }
 
+TEST(LogStore, CompactionCanBeForcedWhereLittleIsWasted) {
+    FaultFiles disk;
+    Worker worker(disk, 1, {.keys = 1, .most_bytes = 1, .store = {}});
+    ASSERT_TRUE(worker.reopen());
+    constexpr int kBlobs = 200;
+    for (int i = 0; i < kBlobs; ++i) ASSERT_TRUE(worker.put({BlobKind::DetailPage, i, 0}, 4000));
+    ASSERT_TRUE(worker.commit());
+    EXPECT_FALSE(*worker.store().compact(10'000, true)) << "nothing is wasted";
+    for (int i = 0; i < 4; ++i) ASSERT_TRUE(worker.put({BlobKind::DetailPage, i, 0}, 4000));
+    ASSERT_TRUE(worker.commit());
+    EXPECT_FALSE(*worker.store().compact(10'000, true)) << "2 % is not worth a copy of everything";
+    for (int i = 0; i < 8; ++i) ASSERT_TRUE(worker.put({BlobKind::DetailPage, i, 0}, 4000));
+    ASSERT_TRUE(worker.commit());
+    EXPECT_FALSE(*worker.store().compact(10'000)) << "6 % is no reason";
+    const std::uint64_t before = worker.store().size().disk_bytes;
+    EXPECT_EQ(worker.store().size().temporary_bytes, 0u);
+    ASSERT_TRUE(*worker.store().compact(10'000, true));
+    for (int steps = 0; *worker.store().compact(50'000); ++steps) {  // once begun it ends, whoever asks
+        ASSERT_LT(steps, 100);
+        const BlobStore::Size size = worker.store().size();
+        EXPECT_EQ(size.disk_bytes - size.temporary_bytes, before);
+        EXPECT_GT(size.temporary_bytes, 0u);
+    }
+    EXPECT_EQ(worker.store().size().temporary_bytes, 0u);
+    EXPECT_LT(worker.store().size().disk_bytes, before - 12 * 4000);
+    EXPECT_FALSE(*worker.store().compact(10'000, true));
+    worker.expect_visible();
+    for (std::uint64_t crash = 0; crash < 10; ++crash) worker.expect_after_crash(crash);
+}
+
 TEST(LogStore, CompactionKeepsDamagedBlobsDamaged) {
     FaultFiles disk;
     const LogStoreSettings all{.most_waste = 0, .least_waste_bytes = 0};
@@ -312,6 +342,130 @@ TEST(LogStore, OldFileThatComesBackIsRemoved) {
     ASSERT_TRUE(store.ok());
     EXPECT_EQ((*store)->mark(), 101u);
     EXPECT_EQ(other.paths(), std::vector<std::string>{kFirstFile});
+}
+
+/// One commit with blobs 0 to 3; then 2 to 5 and an erasure of 0, with a sync that failed and lost their bytes.
+struct FailedSync {
+    FaultFiles disk;
+    LogStoreReport report;
+    Result<std::unique_ptr<LogStore>> store = Error{};
+    SplitMix64 random{12};
+    Blobs committed, visible;
+
+    static BlobKey key(std::int32_t x) { return {BlobKind::DetailPage, x, 7}; }
+
+    FailedSync() {
+        disk.drop_pages_of_failed_syncs();
+        EXPECT_TRUE(disk.make_folder(kFolder).ok());
+        EXPECT_TRUE(disk.sync_folder("").ok());
+        store = open_store(disk, report, {.most_waste = 0, .least_waste_bytes = 0});
+        for (std::int32_t x = 0; x < 4; ++x) committed[key(x)] = random_bytes(random, 3000);
+        EXPECT_TRUE((*store)->put(key(1), Bytes(5000)).ok());  // waste, for compaction to begin
+        for (const auto& [key, bytes] : committed) EXPECT_TRUE((*store)->put(key, bytes).ok());
+        EXPECT_TRUE((*store)->commit(1).ok());
+        visible = committed;
+        for (std::int32_t x = 2; x < 6; ++x) put(key(x));
+        EXPECT_TRUE((*store)->erase(key(0)).ok());
+        visible.erase(key(0));
+        disk.fail_at(2, Fault::Once);  // behind the write
+        EXPECT_FALSE((*store)->commit(2).ok());
+        EXPECT_TRUE(disk.failed());
+    }
+    void put(BlobKey key) {
+        visible[key] = random_bytes(random, 3000);
+        EXPECT_TRUE((*store)->put(key, visible[key]).ok());
+    }
+    void expect_commit_fails(std::int32_t x) {
+        const Result<void> done = (*store)->commit(2);
+        ASSERT_FALSE(done.ok()) << "it lacks what was put";
+        EXPECT_EQ(done.error().code, ErrorCode::FileWrite);
+        EXPECT_NE(done.error().message.find(text("(", x, ", 7)")), std::string::npos) << done.error().message;
+        EXPECT_EQ((*store)->mark(), 1u);
+    }
+    void expect_after_crash(std::uint64_t mark, const Blobs& blobs) {
+        for (std::uint64_t seed = 0; seed < 20; ++seed) {
+            const std::unique_ptr<FaultFiles> after = disk.crash(seed);
+            LogStoreReport found;
+            auto reopened = open_store(*after, found);
+            ASSERT_TRUE(reopened.ok());
+            EXPECT_EQ((*reopened)->mark(), mark);
+            EXPECT_EQ(blobs_of(**reopened), blobs);
+            EXPECT_TRUE(found.damage.empty());
+        }
+    }
+};
+
+TEST(LogStore, WhatAFailedSyncLostIsNeverCommitted) {
+    FailedSync work;
+    for (int i = 0; i < 4; ++i) work.expect_commit_fails(2);
+    work.expect_after_crash(1, work.committed);
+    // One after the other is made good, by new bytes or by erasing.
+    work.put(FailedSync::key(2));
+    for (int i = 0; i < 3; ++i) work.expect_commit_fails(3);
+    EXPECT_TRUE((*work.store)->erase(FailedSync::key(3)).ok());
+    work.visible.erase(FailedSync::key(3));
+    for (int i = 0; i < 3; ++i) work.expect_commit_fails(4);
+    work.put(FailedSync::key(5));
+    for (int i = 0; i < 3; ++i) work.expect_commit_fails(4);
+    work.put(FailedSync::key(4));
+    ASSERT_TRUE((*work.store)->commit(3).ok());
+    EXPECT_EQ(blobs_of(**work.store), work.visible);
+    work.expect_after_crash(3, work.visible);
+    // And it goes on as ever, the lost frames being waste.
+    while (*(*work.store)->compact(1)) {
+    }
+    work.put(FailedSync::key(1));
+    ASSERT_TRUE((*work.store)->commit(4).ok());
+    work.expect_after_crash(4, work.visible);
+}
+
+TEST(LogStore, CompactionDoesNotTakeWhatAFailedSyncLost) {
+    FailedSync work;
+    Result<bool> more = true;
+    for (int steps = 0; more.ok() && *more; ++steps) {
+        ASSERT_LT(steps, 100);
+        more = (*work.store)->compact(1);
+    }
+    ASSERT_FALSE(more.ok()) << "it would be finished with blobs that are gone";
+    EXPECT_EQ(more.error().code, ErrorCode::FileWrite);
+    EXPECT_NE(more.error().message.find("(2, 7)"), std::string::npos) << more.error().message;
+    for (int i = 0; i < 2; ++i) work.expect_commit_fails(2);
+    work.expect_after_crash(1, work.committed);
+    for (std::int32_t x = 2; x < 6; ++x) work.put(FailedSync::key(x));
+    while (*(*work.store)->compact(1)) {
+    }
+    work.expect_after_crash(1, work.committed);
+    ASSERT_TRUE((*work.store)->commit(2).ok());
+    EXPECT_EQ(blobs_of(**work.store), work.visible);
+    work.expect_after_crash(2, work.visible);
+}
+
+// The disk has it as it comes: nobody else's sync waits for the whole of a new file.
+TEST(LogStore, CompactionSyncsAsItGoes) {
+    for (const std::uint64_t step : {1u << 20, 1u << 30}) {
+        FaultFiles disk;
+        ASSERT_TRUE(disk.make_folder(kFolder).ok());
+        LogStoreReport report;
+        auto store = open_store(disk, report, {.most_waste = 0, .least_waste_bytes = 0});
+        ASSERT_TRUE(store.ok());
+        for (std::int32_t x = 0; x < 45; ++x)
+            ASSERT_TRUE((*store)->put({BlobKind::Stroke, x % 40, 0}, Bytes(1u << 20)).ok());
+        ASSERT_TRUE((*store)->commit(1).ok());
+        const std::uint64_t syncs = disk.counts().syncs;
+        std::uint64_t since = 0, most = 0, seen = syncs, last = disk.counts().written_bytes;
+        bool more = true;
+        while (more) {
+            more = *(*store)->compact(step);
+            const FaultFiles::Counts now = disk.counts();
+            since += now.written_bytes - last, last = now.written_bytes;
+            most = std::max(most, since);
+            if (now.syncs != seen) since = 0, seen = now.syncs;
+        }
+        EXPECT_GE(disk.counts().syncs - syncs, 3 + 2u) << "one made the file, two end it";
+        if (step == 1u << 20) {
+            EXPECT_LE(most, 19u << 20);
+        }
+    }
 }
 
 TEST(LogStore, WorksOnTheSystemsFiles) {

@@ -50,13 +50,12 @@ public:
         return {};
     }
     [[nodiscard]] std::uint64_t mark() const override { return mark_; }
-    [[nodiscard]] std::optional<std::uint64_t> mark_of(BlobKey) const override { return std::nullopt; }
     [[nodiscard]] Size size() const override {
         std::uint64_t bytes = 0;
         for (const auto& [key, blob] : live_) bytes += blob.size();
         return {bytes, bytes};
     }
-    Result<bool> compact(std::uint64_t) override { return false; }
+    Result<bool> compact(std::uint64_t, bool = false) override { return false; }
 
     /// What was not committed is gone.
     void crash() { live_ = durable_; }

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "store/edit_script.h"
@@ -13,7 +15,9 @@
 #include "support/fault_files.h"
 #include "tilth/ground/before_image.h"
 #include "tilth/ground/cpu_executor.h"
+#include "tilth/store/log_store.h"
 #include "tilth/store/world_blobs.h"
+#include "tilth/store/world_identity.h"
 
 namespace tilth {
 namespace {
@@ -31,6 +35,54 @@ std::string joined(const std::vector<Error>& errors) {
     for (const Error& error : errors) all += error.message + "\n";
     return all;
 }
+
+/// Another file system, but for reads of which `is_bad` says so: they fail (FileRead). Threads: one at a time.
+class BadReads final : public FileSystem {
+public:
+    explicit BadReads(FileSystem& files) : files_(files) {}
+
+    /// Of path, offset and size; called after the read was counted. Empty: all goes well.
+    std::function<bool(const std::string&, std::uint64_t, std::size_t)> is_bad;
+    std::uint64_t reads = 0;
+
+    Result<std::unique_ptr<File>> open(const std::string& path, OpenMode mode) override {
+        auto opened = files_.open(path, mode);
+        if (!opened) return opened.error();
+        return std::unique_ptr<File>(std::make_unique<BadFile>(*this, std::move(*opened)));
+    }
+    bool exists(const std::string& path) override { return files_.exists(path); }
+    Result<void> make_folder(const std::string& path) override { return files_.make_folder(path); }
+    Result<std::vector<std::string>> list(const std::string& folder) override { return files_.list(folder); }
+    Result<void> rename(const std::string& from, const std::string& to) override { return files_.rename(from, to); }
+    Result<void> remove(const std::string& path) override { return files_.remove(path); }
+    Result<void> sync_folder(const std::string& folder) override { return files_.sync_folder(folder); }
+    Result<std::unique_ptr<FileLock>> lock(const std::string& path) override { return files_.lock(path); }
+
+private:
+    class BadFile final : public File {
+    public:
+        BadFile(BadReads& disk, std::unique_ptr<File> file) : File(file->path()), disk_(disk), file_(std::move(file)) {}
+        Result<std::size_t> read(std::uint64_t offset, std::span<std::byte> out) override {
+            ++disk_.reads;
+            if (disk_.is_bad && disk_.is_bad(path(), offset, out.size()))
+                return Error{ErrorCode::FileRead,
+                             text(path(), ": at byte ", offset, ": Input/output error (the test says so)")};
+            return file_->read(offset, out);
+        }
+        Result<void> write(std::uint64_t offset, std::span<const std::byte> bytes) override {
+            return file_->write(offset, bytes);
+        }
+        Result<void> sync() override { return file_->sync(); }
+        Result<void> truncate(std::uint64_t size) override { return file_->truncate(size); }
+        Result<std::uint64_t> size() override { return file_->size(); }
+
+    private:
+        BadReads& disk_;
+        std::unique_ptr<File> file_;
+    };
+
+    FileSystem& files_;
+};
 
 /// A script's world whose blobs are in memory, the rest on a disk in memory, and its reference.
 class WorldInMemory : public testing::Test {
@@ -220,7 +272,8 @@ protected:
         auto opened = WorldFolder::open("world", *ground, options(), recovered);
         ASSERT_TRUE(opened) << opened.error().message;
         WorldFolder& world = **opened;
-        UndoHistory history(64u << 20);
+        // Apart, so that the strokes of the world have no images of tiles for which they wait.
+        UndoHistory history(64u << 20), right_history(64u << 20);
         const TileGrid tiles{.size = 128, .map = ground->map(MapKind::Detail).grid.rect()};
         SplitMix64 random{3};
         Snapshot snapshot;
@@ -237,7 +290,8 @@ protected:
             world.append({.record = *record});
             GroundEdit edit = history.add(*record, true);
             const PreparedStamp stamp = prepare(*record, ground->map(MapKind::Detail), ground->shapes());
-            apply_edit(*ground, edit);  // what the world must be
+            hashes_.push_back(ground->hash());
+            apply_edit(*ground, right_history.add(*record, true));  // what the world must be
             for_each_tile(tiles_of(tiles, stamp.rect()), [&](TileIndex tile) {
                 if (tile.x == 1 && i >= 30) {
                     waiting[tile].push_back({*record, edit.stroke->number, 0});
@@ -294,8 +348,18 @@ protected:
         EXPECT_EQ(world.ground().hash(), made_.ground()->hash());
     }
 
+    /// As many strokes as there are, each of which takes back what it did.
+    void expect_undone_one_by_one(SavedGround& world) {
+        ASSERT_GE(world.history().undoable(), 16u);
+        for (std::size_t left = 60; world.history().undoable() > 0;) {
+            ASSERT_TRUE(world.undo());
+            ASSERT_EQ(world.ground().hash(), hashes_[--left]) << left << " left";
+        }
+    }
+
     DetailField stored_;
     StateHash right_;
+    std::vector<StateHash> hashes_;  ///< before each stroke
 };
 
 TEST_F(WaitingWorld, AppliesWhatWaited) {
@@ -330,6 +394,8 @@ TEST_F(WaitingWorld, RebuildsTilesWhoseListsAreDamaged) {
             ASSERT_NE(world, nullptr);
             EXPECT_NE(joined(world->reports()).find("memory: offset"), std::string::npos);
             EXPECT_EQ(world->ground().hash(), right_);
+            expect_undone_one_by_one(*world);
+            EXPECT_EQ(world->ground().hash(), made_.ground()->hash());
             world->world().abandon();
         }
         blobs_->crash();
@@ -350,6 +416,144 @@ TEST_F(WaitingWorld, SurvivesTheLossOfItsCounters) {
     const auto world = open();
     ASSERT_NE(world, nullptr);
     EXPECT_EQ(world->ground().hash(), right_);
+    expect_undone_one_by_one(*world);
+}
+
+// ---------------------------------------------------------------------------------------------------- bad reads
+
+/// A journal, shape or store that cannot be read at this moment is no reason to give anything up.
+TEST_F(WaitingWorld, GivesNothingUpForWhatCannotBeReadAtTheMoment) {
+    BadReads bad(disk_);
+    const auto open_with_bad_reads = [&] {
+        WorldOptions with = options();
+        with.files = &bad;
+        return test::open_script_world(made_, "world", with);
+    };
+    for (const BlobKind kind : {BlobKind::World, BlobKind::Waiting, BlobKind::DetailPage, BlobKind::Stroke}) {
+        for (std::uint64_t k = 1;; ++k) {
+            SCOPED_TRACE(testing::Message()
+                         << "kind " << int(kind) << ", nothing can be read from read " << k << " on");
+            blobs_->damaged = {keys(kind).front()};
+            bad.reads = 0;
+            bad.is_bad = [&](const std::string&, std::uint64_t, std::size_t) { return bad.reads >= k; };
+            const auto world = open_with_bad_reads();
+            const bool was_reached = bad.reads >= k;
+            bad.is_bad = nullptr;
+            if (!world) {
+                EXPECT_EQ(world.error().code, ErrorCode::FileRead) << world.error().message;
+            } else {
+                EXPECT_EQ(joined((*world)->reports()).find("lost"), std::string::npos) << joined((*world)->reports());
+                EXPECT_EQ((*world)->ground().hash(), right_);
+                (*world)->world().abandon();
+            }
+            blobs_->crash();
+            if (!was_reached) break;
+            ASSERT_LT(k, 100u);
+            if (HasFailure()) return;
+        }
+    }
+}
+
+TEST_F(WorldInMemory, LoadsATileLaterWhoseRepairCannotBeReadNow) {
+    live(45, 0);
+    const auto world = open();
+    ASSERT_NE(world, nullptr);
+    const BlobKey key = keys(BlobKind::DetailPage).front();
+    const PageIndex page{key.x, key.z};
+    const TileIndex tile{floor_divide(page.x, 2), floor_divide(page.z, 2)};  // of 128 texels
+    const PageRect rect{page, {page.x + 1, page.z + 1}};
+    for (const std::string& path : disk_.paths()) {
+        if (!path.ends_with(".tlj") && !path.ends_with(".tls")) continue;
+        SCOPED_TRACE(path);
+        blobs_->damaged = {key};
+        disk_.fail_reads(path);
+        const auto failed = world->world().load(tile, rect);
+        ASSERT_FALSE(failed);
+        EXPECT_EQ(failed.error().code, ErrorCode::FileRead) << failed.error().message;
+        EXPECT_EQ(joined(world->world().take_errors()), "");
+        EXPECT_TRUE(blobs_->has(key));
+        disk_.fail_reads("");
+        const auto loaded = world->world().load(tile, rect);
+        ASSERT_TRUE(loaded) << loaded.error().message;
+        ASSERT_EQ(loaded->size(), 1u);
+        EXPECT_EQ(*loaded->front().codes, *world->ground().detail().find(page));
+        (void)world->world().take_errors();
+        ASSERT_TRUE(world->world().commit({.edits = 45}));  // forgets what it read
+    }
+}
+
+/// Sectors that can never be read again cost nothing either: what lay there is made again, and written elsewhere.
+TEST(WorldFolder, RebuildsWhatLiesInUnreadableSectors) {
+    FaultFiles disk;
+    const ScriptWorld made;
+    const std::string path = "world/pages-1.tlp";
+    ReferenceWorld reference(made, 11);
+    {
+        auto world = test::open_script_world(made, "world", {.flush = kManual, .files = &disk});
+        ASSERT_TRUE(world);
+        EditScript script(11);
+        ASSERT_TRUE(test::advance(**world, script, 45));
+        ASSERT_TRUE((*world)->save());
+    }
+    ASSERT_TRUE(reference.advance_to(45));
+    // Where each blob lies is what getting it reads last.
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> places;
+    {
+        BadReads files(disk);
+        const auto identity = read_identity(files, "world");
+        ASSERT_TRUE(identity);
+        LogStoreReport report;
+        const auto store = LogStore::open(files, "world", identity->salt, {}, report);
+        ASSERT_TRUE(store);
+        std::pair<std::uint64_t, std::uint64_t> last;
+        files.is_bad = [&](const std::string&, std::uint64_t offset, std::size_t size) {
+            last = {offset, offset + size};
+            return false;
+        };
+        for (const BlobKind kind : {BlobKind::World, BlobKind::DetailPage, BlobKind::CoarsePage, BlobKind::Stroke}) {
+            const auto keys = (*store)->keys(kind);
+            ASSERT_TRUE(keys);
+            for (const BlobKey& key : *keys) {
+                ASSERT_TRUE((*store)->get(key));
+                places.push_back(last);
+            }
+        }
+    }
+    ASSERT_GT(places.size(), 20u);
+    for (const auto& [begin, end] : places) {
+        SCOPED_TRACE(testing::Message() << "bytes " << begin << " to " << end);
+        const std::unique_ptr<FaultFiles> copy = disk.crash(1);  // everything is durable: a copy
+        BadReads files(*copy);
+        const std::uint64_t first = begin, behind = end;
+        const auto is_bad = [&](const std::string& of, std::uint64_t offset, std::size_t size) {
+            return of == path && offset < behind && first < offset + size;
+        };
+        const WorldOptions options{.flush = kManual, .files = &files};
+        for (const bool is_bad_at_opening : {true, false}) {
+            if (is_bad_at_opening) files.is_bad = is_bad;
+            auto world = test::open_script_world(made, "world", options);
+            ASSERT_TRUE(world) << world.error().message;
+            files.is_bad = is_bad;
+            EXPECT_EQ((*world)->ground().hash(), reference.hash());
+            const auto tiles = (*world)->world().tiles();
+            ASSERT_TRUE(tiles);
+            for (const TileIndex tile : *tiles) {
+                const PageIndex corner{2 * tile.x, 2 * tile.z};
+                const auto loaded = (*world)->world().load(tile, {corner, {corner.x + 2, corner.z + 2}});
+                ASSERT_TRUE(loaded) << loaded.error().message;
+                for (const Page& page : *loaded) EXPECT_EQ(*page.codes, *(*world)->ground().detail().find(page.index));
+            }
+            const std::string told = joined((*world)->reports()) + joined((*world)->world().take_errors());
+            EXPECT_EQ(told.find("lost"), std::string::npos) << told;
+            if (is_bad_at_opening) {
+                EXPECT_NE(told.find("the test says so"), std::string::npos) << told;
+                ASSERT_TRUE((*world)->save());
+            } else {
+                EXPECT_EQ(told, "") << "it lies elsewhere now";
+            }
+        }
+        if (HasFailure()) return;
+    }
 }
 
 // ---------------------------------------------------------------------------------------------------- as a tile store
@@ -391,6 +595,45 @@ TEST_F(WorldInMemory, WritesAgainWhatAFailedCommitMayNotHaveWritten) {
     EXPECT_EQ(joined(again->world().verify()), "");
 }
 
+/// A sync that fails may have lost what was written before it. The next snapshot must not take it for written.
+TEST(WorldFolder, WritesPagesAgainThatAFailedSyncLost) {
+    FaultFiles disk;
+    const ScriptWorld made;
+    bool was_lost = false;
+    for (std::uint64_t k = 1; !was_lost; ++k) {
+        ASSERT_LT(k, 100u) << "no sync of the pages has failed";
+        const std::string folder = text("world", k), pages = folder + "/pages-1.tlp";
+        auto world = test::open_script_world(made, folder, {.flush = kManual, .files = &disk});
+        ASSERT_TRUE(world);
+        EditScript script(11);
+        ASSERT_TRUE(test::advance(**world, script, 20));
+        ASSERT_TRUE((*world)->save());
+        ASSERT_TRUE(test::advance(**world, script, 30));
+        ASSERT_TRUE((*world)->flush());
+        const std::size_t synced_bytes = disk.bytes(pages).size();
+        const std::uint64_t syncs = disk.counts().syncs;
+        disk.fail_at(k, test::Fault::Once);
+        ASSERT_FALSE((*world)->save()) << k;
+        if (disk.counts().syncs == syncs) continue;  // a write failed
+        std::vector<std::byte> left = disk.bytes(pages);
+        ASSERT_GT(left.size(), synced_bytes + 1000);
+        std::fill(left.begin() + static_cast<std::ptrdiff_t>(synced_bytes), left.end(), std::byte{0});
+        disk.set_bytes(pages, std::move(left));
+        was_lost = true;
+        const auto saved = (*world)->save();
+        ASSERT_TRUE(saved) << saved.error().message;
+        EXPECT_EQ(joined((*world)->world().verify()), "");
+        world = Error{};
+        world = test::open_script_world(made, folder, {.flush = kManual, .files = &disk});
+        ASSERT_TRUE(world);
+        ReferenceWorld reference(made, 11);
+        ASSERT_TRUE(reference.advance_to(30));
+        EXPECT_EQ(joined((*world)->reports()), "");
+        EXPECT_EQ((*world)->ground().hash(), reference.hash());
+        EXPECT_EQ((*world)->world().committed(), 30u);
+    }
+}
+
 TEST_F(WorldInMemory, ReportsEveryDamagedBlobWhenItIsVerified) {
     live(45, 5);
     const auto world = open();
@@ -412,9 +655,8 @@ TEST(WorldFolder, GivesOldJournalUpBeforeItComplains) {
     ScriptWorld made;
     made.undo_bytes = 0;
     const auto grown = [&](std::uint64_t bound, std::vector<Error>& errors) {
-        auto world =
-            test::open_script_world(made, text("world", bound),
-                                    {.flush = kManual, .most_disk_bytes = bound, .files = &disk, .log = {0.1, 4096}});
+        auto world = test::open_script_world(made, text("world", bound),
+                                             {.flush = kManual, .most_disk_bytes = bound, .files = &disk});
         EXPECT_TRUE(world);
         for (int round = 0; round < 8; ++round) {
             for (int i = 0; i < 100; ++i)
@@ -435,6 +677,40 @@ TEST(WorldFolder, GivesOldJournalUpBeforeItComplains) {
     (void)grown(100, errors);
     ASSERT_EQ(errors.size(), 1u) << "told once, while it lasts: " << joined(errors);
     EXPECT_NE(errors[0].message.find("most_disk_bytes is 100"), std::string::npos) << errors[0].message;
+}
+
+/// The half-made copy goes away by itself; journal that was given up for it would be missed.
+TEST(WorldFolder, KeepsItsJournalWhileItIsCompacted) {
+    FaultFiles disk;
+    const ScriptWorld made;
+    std::uint64_t copied = 0;
+    std::vector<Error> errors;
+    const auto compacted_in_part = [&](std::uint64_t bound) {
+        auto world =
+            test::open_script_world(made, text("world", bound),
+                                    {.flush = kManual, .most_disk_bytes = bound, .files = &disk, .log = {0.1, 4096}});
+        EXPECT_TRUE(world);
+        EditScript script(11);
+        for (std::uint64_t edits = 60; edits <= 240; edits += 60) {
+            EXPECT_TRUE(test::advance(**world, script, edits));
+            EXPECT_TRUE((*world)->save());
+        }
+        const std::uint64_t before = (*world)->world().size().page_bytes;
+        const auto more = (*world)->world().compact(6'000);
+        EXPECT_TRUE(more && *more) << "it has begun, and is not at its end";
+        copied = (*world)->world().size().page_bytes - before;
+        EXPECT_TRUE((*world)->stamp({.centre = {60, 60}, .radius_m = 0.2, .amplitude_m = 0.01}));
+        EXPECT_TRUE((*world)->save());
+        errors = (*world)->world().take_errors();
+        EXPECT_EQ((*world)->world().first_edit(), 1u);
+        return (*world)->world().size();
+    };
+    const WorldFolder::Size free = compacted_in_part(0);
+    ASSERT_GE(copied, 6'000u);
+    const WorldFolder::Size kept = compacted_in_part(free.journal_bytes + free.page_bytes - copied);
+    EXPECT_EQ(kept.journal_bytes, free.journal_bytes);
+    EXPECT_EQ(kept.page_bytes, free.page_bytes);
+    EXPECT_EQ(joined(errors), "");
 }
 
 }  // namespace

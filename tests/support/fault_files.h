@@ -78,6 +78,12 @@ public:
         const std::lock_guard lock(disk_->mutex);
         return disk_->struck;
     }
+    /// From now on a failed `sync` also drops what it did not write: reads have the old content (zeros where there was
+    /// none) from then on, until it is written again. So Linux does when it needs the memory.
+    void drop_pages_of_failed_syncs() {
+        const std::lock_guard lock(disk_->mutex);
+        disk_->drops_pages = true;
+    }
     /// Reads of this file fail (FileRead) until it is empty again.
     void fail_reads(const std::string& path) {
         const std::lock_guard lock(disk_->mutex);
@@ -165,6 +171,7 @@ private:
         std::uint64_t fail_at = 0, random = 1;
         Fault fault = Fault::NoSpace;
         bool is_full = false, is_off = false, struck = false;
+        bool drops_pages = false;
         std::string unreadable;
 
         std::uint64_t next(std::uint64_t bound) { return draw(random, bound); }
@@ -204,6 +211,12 @@ private:
             node.live.resize(size);
             node.sizes.emplace_back(counts.operations, size);
             if (size < old) note(node, size, old);  // should it grow again, zeros are there
+        }
+        static void drop(Node& node, std::uint64_t sector) {
+            const std::uint64_t begin = sector * kSector;
+            if (begin >= node.live.size()) return;
+            const Sector old = content(node.durable, sector);
+            std::memcpy(node.live.data() + begin, old.data(), std::min(kSector, node.live.size() - begin));
         }
         void note(Node& node, std::uint64_t first, std::uint64_t last) {
             for (std::uint64_t sector = first / kSector; sector * kSector < last; ++sector) {
@@ -289,7 +302,10 @@ public:
         if (disk_->fails()) {
             disk_->takes_effect();  // the crash draws how much of it was
             if (!disk_->is_off)
-                for (const auto& [sector, versions] : node_->dirty) node_->unsure.insert(sector);
+                for (const auto& [sector, versions] : node_->dirty) {
+                    node_->unsure.insert(sector);
+                    if (disk_->drops_pages) disk_->drop(*node_, sector);
+                }
             return no_space(path());
         }
         node_->durable.resize(node_->live.size());

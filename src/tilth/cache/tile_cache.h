@@ -149,8 +149,8 @@ public:
     [[nodiscard]] bool can_be_drawn(TileIndex tile) const;
     /// Edits that wait for tiles and are tried again by `apply`.
     [[nodiscard]] bool has_waiting_edits() const { return !deferred_.empty(); }
-    /// Codes are on their way from the GPU.
-    [[nodiscard]] bool is_reading_back() const;
+    /// With the gpu executor: pages that the next snapshot needs and the field lacks, those on their way included.
+    [[nodiscard]] std::size_t pages_ahead() const;
     /// Nothing is in memory or on its way.
     [[nodiscard]] bool is_idle() const { return live_.empty() && worker_.outstanding() == 0; }
     /// Nothing was ever stamped: a frame has nothing to do here.
@@ -205,9 +205,9 @@ private:
         void was_changed() { modified = changed = unsaved = true; }
     };
     struct Task {
-        Stamp stamp;                    ///< or only `stamp.edit`, of an undo
-        TileWindow window;              ///< tiles that it reads or changes, aprons included
-        std::vector<TileIndex> undone;  ///< tiles whose interior an undo changes
+        Stamp stamp;                              ///< or only `stamp.edit`, of an undo
+        TileWindow window;                        ///< tiles that it reads or changes, aprons included
+        std::map<TileIndex, std::size_t> undone;  ///< tiles whose interior an undo changes, and by how many stamps
     };
 
     TileCache(Ground& ground, const TileGrid& grid, std::shared_ptr<TileStore> store, TileTextures& textures,
@@ -276,7 +276,7 @@ private:
     void keep_images_of(const Stamp& stamp, TileIndex index, gl::StageStats& deform);
     [[nodiscard]] bool wants_images(const Stamp& stamp) const;
     void keep_saturating_images(const Stamp& stamp, gl::StageStats& deform);
-    [[nodiscard]] bool waits_with_all(const Task& undo, TileIndex index, const Tile& tile) const;
+    [[nodiscard]] bool waits_with_all(const Stroke& stroke, std::size_t stamps, TileIndex index) const;
     bool cancel_waiting(const Task& undo);
     void note_undo(const Task& undo);
     void execute_undo(const Task& undo, gl::StageStats& deform);

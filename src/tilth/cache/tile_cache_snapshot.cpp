@@ -37,8 +37,11 @@ void TileCache::prepare_snapshot() {
         if (Tile& tile = *find(index); tile.unsaved) begin_read_back(index, tile);
 }
 
-bool TileCache::is_reading_back() const {
-    return std::any_of(live_.begin(), live_.end(), [&](TileIndex index) { return !find(index)->reading.empty(); });
+std::size_t TileCache::pages_ahead() const {
+    std::size_t pages = 0;
+    for (const TileIndex index : live_)
+        if (const Tile& tile = *find(index); tile.unsaved) pages += tile.newer.size() + tile.reading.size();
+    return pages;
 }
 
 std::optional<std::vector<TileSnapshot>> TileCache::snapshot(gl::StageStats& deform) {

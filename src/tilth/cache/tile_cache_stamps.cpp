@@ -37,7 +37,7 @@ TileCache::Task TileCache::task_of(const GroundEdit& edit) const {
 /// Calls `visit(index)` for each tile that a task waits for.
 template <class Visit>
 void TileCache::for_each_tile_of(const Task& task, const Visit& visit) const {
-    for (const TileIndex index : task.undone) visit(index);
+    for (const auto& [index, stamps] : task.undone) visit(index);
     for_each_tile(task.window, visit);
 }
 

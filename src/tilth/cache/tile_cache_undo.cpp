@@ -12,10 +12,8 @@ TileCache::Task TileCache::undo_task_of(const GroundEdit& edit) const {
     for (const StampRecord& record : edit.stroke->records) {
         if (record.map != MapKind::Detail) continue;
         const PreparedStamp stamp = prepare(record, ground_.map(MapKind::Detail), ground_.shapes());
-        for_each_tile(tiles_of(grid_, stamp.rect()), [&](TileIndex index) { task.undone.push_back(index); });
+        for_each_tile(tiles_of(grid_, stamp.rect()), [&](TileIndex index) { ++task.undone[index]; });
     }
-    std::sort(task.undone.begin(), task.undone.end());
-    task.undone.erase(std::unique(task.undone.begin(), task.undone.end()), task.undone.end());
     return task;
 }
 
@@ -63,23 +61,17 @@ void TileCache::keep_saturating_images(const Stamp& stamp, gl::StageStats& defor
     }
 }
 
-/// Whether every stamp of the stroke on this tile still waits for it, and has been seen by nobody.
-bool TileCache::waits_with_all(const Task& undo, TileIndex index, const Tile& tile) const {
-    bool is_alone = !tile.hot && !tile.arriving;
+/// Whether all of the stroke's `stamps` on this tile still wait for it, and have been seen by nobody.
+bool TileCache::waits_with_all(const Stroke& stroke, std::size_t stamps, TileIndex index) const {
+    const Tile* tile = find(index);
+    bool is_alone = tile != nullptr && !tile->hot && !tile->arriving && !awaited_.contains(index);
     for_each_neighbour(index, [&](TileIndex at) {
         const Tile* neighbour = find(at);
         is_alone = is_alone && (neighbour == nullptr || (!neighbour->hot && !neighbour->arriving));
     });
-    if (!is_alone) return false;
-    const Stroke* const stroke = undo.stamp.edit.stroke.get();
-    std::size_t waiting = 0, all = 0;
-    for (const Stamp& stamp : tile.pending) waiting += stamp.edit.stroke.get() == stroke ? 1 : 0;
-    for (const StampRecord& record : stroke->records) {
-        if (record.map != MapKind::Detail) continue;
-        const PreparedStamp stamp = prepare(record, ground_.map(MapKind::Detail), ground_.shapes());
-        all += intersection(stamp.rect(), grid_.inside(index)).empty() ? 0 : 1;
-    }
-    return waiting == all;
+    return is_alone && stamps == static_cast<std::size_t>(std::count_if(
+                                     tile->pending.begin(), tile->pending.end(),
+                                     [&](const Stamp& stamp) { return stamp.edit.stroke.get() == &stroke; }));
 }
 
 void TileCache::note_undo(const Task& undo) {
@@ -93,12 +85,10 @@ void TileCache::note_undo(const Task& undo) {
 
 /// Takes a stroke that nowhere was applied off the lists: nothing has to be loaded for that.
 bool TileCache::cancel_waiting(const Task& undo) {
-    for (const TileIndex index : undo.undone) {
-        const Tile* tile = find(index);
-        if (tile == nullptr || awaited_.contains(index) || !waits_with_all(undo, index, *tile)) return false;
-    }
+    for (const auto& [index, stamps] : undo.undone)
+        if (!waits_with_all(*undo.stamp.edit.stroke, stamps, index)) return false;
     note_undo(undo);
-    for (const TileIndex index : undo.undone) {
+    for (const auto& [index, stamps] : undo.undone) {
         Tile& tile = *find(index);
         pending_ -= std::erase_if(tile.pending,
                                   [&](const Stamp& stamp) { return stamp.edit.stroke == undo.stamp.edit.stroke; });

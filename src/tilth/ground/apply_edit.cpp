@@ -1,5 +1,7 @@
 #include "tilth/ground/apply_edit.h"
 
+#include <algorithm>
+
 #include "tilth/ground/before_image.h"
 #include "tilth/ground/cpu_executor.h"
 #include "tilth/ground/prepared_stamp.h"
@@ -52,6 +54,12 @@ ApplyResult apply_edit(Ground& ground, const GroundEdit& edit) {
     if (edit.kind == GroundEdit::Kind::Undo || edit.record.map == MapKind::Detail) sum.rect = {};
     sum += apply_edit(ground, MapKind::Detail, edit);
     return sum;
+}
+
+bool concerns(const GroundEdit& edit, MapKind map) {
+    if (edit.kind == GroundEdit::Kind::Stamp) return edit.record.map == map;
+    const std::vector<StampRecord>& records = edit.stroke->records;
+    return std::any_of(records.begin(), records.end(), [&](const StampRecord& record) { return record.map == map; });
 }
 
 std::vector<ChangedRect> changed_by(const Ground& ground, const GroundEdit& edit) {

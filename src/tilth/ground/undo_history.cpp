@@ -135,21 +135,20 @@ Result<StrokePtr> UndoHistory::redo() {
 
 void UndoHistory::trim() {
     if (replaying_) return;
-    for (std::vector<StrokePtr>* list : {&done_, &undone_}) {
-        std::size_t gone = 0;
-        while (bytes() > most_bytes_ && gone < list->size()) forget((*list)[gone++]);
-        list->erase(list->begin(), list->begin() + static_cast<std::ptrdiff_t>(gone));
-        if (list == &done_) forgotten_ += gone;
-    }
+    for (std::deque<StrokePtr>* list : {&done_, &undone_})
+        for (; bytes() > most_bytes_ && !list->empty(); list->pop_front()) {
+            forget(list->front());
+            if (list == &done_) ++forgotten_;
+        }
 }
 
 void UndoHistory::restore(std::vector<StrokePtr> done, std::vector<StrokePtr> undone, std::uint64_t next_number) {
     for (const StrokePtr& stroke : done_) forget(stroke);
     forget_undone();
-    done_ = std::move(done);
-    undone_ = std::move(undone);
+    done_.assign(done.begin(), done.end());
+    undone_.assign(undone.begin(), undone.end());
     next_number_ = next_number;
-    for (const std::vector<StrokePtr>* list : {&done_, &undone_})
+    for (const std::deque<StrokePtr>* list : {&done_, &undone_})
         for (const StrokePtr& stroke : *list) enter(*stroke, account_);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <vector>
@@ -38,6 +39,9 @@ struct Stroke {
     void append(const StampRecord& record);
     /// Does nothing where the stroke has an image of that page: the first is the one from before the stroke.
     void keep_image(MapKind map, PageIndex page, const std::shared_ptr<const PageCodes>& codes);
+
+    static constexpr std::uint64_t kNeverSaved = ~std::uint64_t{0};
+    std::uint64_t saved_version = kNeverSaved;  ///< that the last snapshot had
 
     // The history's own.
     std::uint32_t undos_on_their_way = 0;    ///< see `UndoInFlight`
@@ -115,9 +119,9 @@ public:
     // For saving: both lists as they are, and the number that the next stroke gets.
 
     /// By rising number: the one to undo first is last.
-    [[nodiscard]] const std::vector<StrokePtr>& done() const { return done_; }
+    [[nodiscard]] const std::deque<StrokePtr>& done() const { return done_; }
     /// By falling number: the one to redo first is last.
-    [[nodiscard]] const std::vector<StrokePtr>& undone() const { return undone_; }
+    [[nodiscard]] const std::deque<StrokePtr>& undone() const { return undone_; }
     [[nodiscard]] std::uint64_t next_number() const { return next_number_; }
     /// In place of what there was; both lists in the order above.
     void restore(std::vector<StrokePtr> done, std::vector<StrokePtr> undone, std::uint64_t next_number);
@@ -131,7 +135,7 @@ private:
     bool replaying_ = false;
     std::uint64_t next_number_ = 1;
     std::uint64_t forgotten_ = 0;  ///< strokes that could be undone no more, for messages
-    std::vector<StrokePtr> done_, undone_;
+    std::deque<StrokePtr> done_, undone_;
     std::shared_ptr<std::uint64_t> account_ = std::make_shared<std::uint64_t>(0);
 };
 

@@ -46,20 +46,21 @@ public:
     virtual Result<void> put(BlobKey key, std::span<const std::byte> bytes) = 0;
     virtual Result<void> erase(BlobKey key) = 0;
     /// Everything put and erased since the last commit becomes durable, as one, under `mark`. On an error nothing of it
-    /// is (it stays visible, and the next commit has it).
+    /// is (it stays visible, and the next commit has it). Where the store lost some of it, this fails with FileWrite
+    /// until that is put again or erased.
     virtual Result<void> commit(std::uint64_t mark) = 0;
     /// Of the last commit; 0: there was none.
     [[nodiscard]] virtual std::uint64_t mark() const = 0;
-    /// The mark of the commit that made the present blob durable; empty: none did yet, or it is not known.
-    [[nodiscard]] virtual std::optional<std::uint64_t> mark_of(BlobKey key) const = 0;
 
     struct Size {
-        std::uint64_t live_bytes = 0;  ///< of blobs that can be got
-        std::uint64_t disk_bytes = 0;  ///< of everything
+        std::uint64_t live_bytes = 0;       ///< of blobs that can be got
+        std::uint64_t disk_bytes = 0;       ///< of everything
+        std::uint64_t temporary_bytes = 0;  ///< part of `disk_bytes`: of an unfinished compaction, gone when it ends
     };
     [[nodiscard]] virtual Size size() const = 0;
-    /// Gives disk space back, in a step of about `most_bytes`. True: there is more to do. Safe at any kill point.
-    virtual Result<bool> compact(std::uint64_t most_bytes) = 0;
+    /// Gives disk space back where much is wasted, in a step of about `most_bytes`; with `forced`, for a caller that
+    /// has too little, also where little is. True: there is more to do. Safe at any kill point.
+    virtual Result<bool> compact(std::uint64_t most_bytes, bool forced = false) = 0;
 };
 
 }  // namespace tilth

@@ -9,11 +9,13 @@
 namespace tilth {
 
 void ChangedParts::note(const Ground& ground, const GroundEdit& edit) {
+    const bool is_stamp = edit.kind == GroundEdit::Kind::Stamp;
+    if (is_stamp && edit.record.map == MapKind::Detail && !follows_tiles_) return;
     const TileGrid grid{.size = ground.settings().tile_size, .map = ground.map(MapKind::Detail).grid.rect()};
     for (const ChangedRect& changed : changed_by(ground, edit)) {
         if (changed.map == MapKind::Coarse)
             for_each_page(pages_of(changed.rect), [&](PageIndex page) { coarse_.insert(page); });
-        else
+        else if (follows_tiles_)
             for_each_tile(tiles_of(grid, changed.rect), [&](TileIndex tile) { tiles_.insert(tile); });
     }
 }
@@ -34,6 +36,7 @@ void ChangedParts::take_tiles(const Ground& ground, Snapshot& snapshot) {
 
 void ChangedParts::put_back(const Snapshot& snapshot) {
     for (const Page& page : snapshot.coarse) coarse_.insert(page.index);
+    if (!follows_tiles_) return;
     for (const TileSnapshot& tile : snapshot.tiles) tiles_.insert(tile.tile);
 }
 

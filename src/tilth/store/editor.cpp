@@ -80,8 +80,8 @@ Result<void> Editor::recover(RecoveredWorld& recovered) {
             if (const Result<void> checked = check_restored(ground_, *stroke); !checked) return checked;
     history_.set_replaying(true);
     history_.restore(std::move(recovered.done), std::move(recovered.undone), recovered.next_stroke);
-    for (const std::vector<StrokePtr>* list : {&history_.done(), &history_.undone()})
-        for (const StrokePtr& stroke : *list) saved_versions_[stroke->number] = stroke->version;
+    for (const std::deque<StrokePtr>* list : {&history_.done(), &history_.undone()})
+        for (const StrokePtr& stroke : *list) stroke->saved_version = stroke->version;
     ground_.continue_from(recovered.next_sequence);
     edits_ = world_ != nullptr ? world_->appended() : edits_ + recovered.tail.size();
     std::uint64_t number = edits_ - recovered.tail.size();
@@ -101,7 +101,7 @@ Result<void> Editor::recover(const Edit& edit) {
     }
     // Looked at before it is moved, so that an edit that does not fit changes nothing.
     const bool undoes = edit.kind == EditKind::Undo;
-    const std::vector<StrokePtr>& from = undoes ? history_.done() : history_.undone();
+    const std::deque<StrokePtr>& from = undoes ? history_.done() : history_.undone();
     if (!from.empty() && from.back()->records.front().sequence != edit.record.sequence)
         return Error{ErrorCode::FileFormat,
                      text(undoes ? "undoes" : "redoes", " the stroke that begins with stamp ", edit.record.sequence,
@@ -125,13 +125,11 @@ Snapshot Editor::begin_snapshot() {
     snapshot.edits = edits_;
     snapshot.next_sequence = ground_.next_sequence();
     snapshot.history.next_number = history_.next_number();
-    std::map<std::uint64_t, std::uint64_t> versions;
-    const auto note = [&](const std::vector<StrokePtr>& strokes, std::vector<std::uint64_t>& numbers) {
+    const auto note = [&](const std::deque<StrokePtr>& strokes, std::vector<std::uint64_t>& numbers) {
+        numbers.reserve(strokes.size());
         for (const StrokePtr& stroke : strokes) {
             numbers.push_back(stroke->number);
-            versions[stroke->number] = stroke->version;
-            const auto saved = saved_versions_.find(stroke->number);
-            if (saved != saved_versions_.end() && saved->second == stroke->version) continue;
+            if (std::exchange(stroke->saved_version, stroke->version) == stroke->version) continue;
             snapshot.history.changed.push_back({.number = stroke->number,
                                                 .records = stroke->records,
                                                 .coarse = stroke->coarse,
@@ -141,8 +139,12 @@ Snapshot Editor::begin_snapshot() {
     };
     note(history_.done(), snapshot.history.done);
     note(history_.undone(), snapshot.history.undone);
-    saved_versions_ = std::move(versions);
     return snapshot;
+}
+
+void Editor::snapshot_failed(const Snapshot& snapshot) {
+    for (const Stroke& copy : snapshot.history.changed)
+        if (const StrokePtr stroke = history_.find(copy.number)) stroke->saved_version = Stroke::kNeverSaved;
 }
 
 }  // namespace tilth

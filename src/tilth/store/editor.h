@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -58,7 +57,8 @@ public:
     /// taken from it is applied. What is `changed` in it is not in the next one, unless `snapshot_failed`. Images in it
     /// are shares of pages: given back on this thread.
     Snapshot begin_snapshot();
-    void snapshot_failed() { saved_versions_.clear(); }
+    /// Cost of both: a look at each stroke of the history.
+    void snapshot_failed(const Snapshot& snapshot);
 
 private:
     Result<void> add(const StampRecord& record);
@@ -70,7 +70,6 @@ private:
     std::shared_ptr<WorldFolder> world_;
     UndoHistory history_;
     std::vector<GroundEdit> queue_;
-    std::map<std::uint64_t, std::uint64_t> saved_versions_;  ///< of strokes, by number
     std::uint64_t edits_ = 0;
     bool in_stroke_ = false, stroke_begun_ = false;
 };

@@ -8,6 +8,10 @@ namespace tilth {
 
 using namespace log_format;
 
+namespace {
+constexpr std::uint64_t kSyncBytes = 16u << 20;
+}
+
 Result<std::unique_ptr<LogCompaction>> LogCompaction::begin(FileSystem& files, const std::string& folder,
                                                             const FileTag& tag, const LogState& state) {
     Result<std::unique_ptr<LogFile>> log = LogFile::create(files, folder, tag);
@@ -54,6 +58,8 @@ Result<void> LogCompaction::step(LogFile& old, const LogState& state, std::uint6
             copied_[key] = {entry->offset, *moved};
         }
         todo_.pop_back();
+        if (log_->unsynced_bytes() >= kSyncBytes)
+            if (Result<void> synced = log_->sync(); !synced) return synced;
     } while (log_->end() - begin < most_bytes);
     return {};
 }

@@ -20,7 +20,8 @@ public:
 
     /// These keys were committed since; to be called before `LogState::settle` or after.
     void committed(const LogState& state);
-    /// Copies about `most_bytes`, at least one blob. After an error the new file is worthless.
+    /// Copies about `most_bytes`, at least one blob; every 16 MiB are synced, so that nobody else's sync waits for
+    /// more. After an error the new file is worthless.
     Result<void> step(LogFile& old, const LogState& state, std::uint64_t most_bytes);
     [[nodiscard]] bool is_caught_up() const { return todo_.empty(); }
 

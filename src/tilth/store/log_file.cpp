@@ -87,7 +87,6 @@ Result<void> LogFile::write_again() {
         if (Result<void> done = file_->write(at, part.first(*count)); !done) return done;
         at += part.size();
     }
-    is_doubtful_ = false;
     return {};
 }
 

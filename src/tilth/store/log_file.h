@@ -38,10 +38,14 @@ public:
 
     Result<void> flush();
     /// Flushes, and returns when a power cut would leave all of it. After a failed one it is not known what the disk
-    /// has, and the next one alone would not write it again: `is_doubtful` until `write_again`.
+    /// has, and the next one alone would not write it again: `is_doubtful`, until what can still be read was written
+    /// again and found to be what was appended (`trust`).
     Result<void> sync();
     [[nodiscard]] bool is_doubtful() const { return is_doubtful_; }
     Result<void> write_again();
+    void trust() { is_doubtful_ = false; }
+    /// About how much the next sync has to write.
+    [[nodiscard]] std::uint64_t unsynced_bytes() const { return end() - synced_; }
 
     /// Durable on return; on an error the slot may hold it or nothing.
     Result<void> write_superblock(const log_format::Superblock& superblock, unsigned slot);

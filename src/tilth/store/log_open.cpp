@@ -34,27 +34,29 @@ Result<std::vector<OpenedLog>> read_all(FileSystem& files, const std::string& fo
     return logs;
 }
 
-/// Nothing can be made of it, but it is not ours to destroy.
-Result<void> put_aside(FileSystem& files, const OpenedLog& wreck, LogStoreReport& report) {
-    const std::string& path = wreck.log->path();
+/// It does not count, but it is not ours to destroy: nothing can be made of it, or the one that counts is damaged.
+Result<void> put_aside(FileSystem& files, const OpenedLog& other, LogStoreReport& report) {
+    const std::string& path = other.log->path();
     std::string aside = path + ".damaged";
     for (int i = 2; files.exists(aside); ++i) aside = text(path, ".damaged", i);
     if (Result<void> done = files.rename(path, aside); !done) return done;
-    report.damage.insert(report.damage.end(), wreck.found.damage.begin(), wreck.found.damage.end());
-    report.damage.push_back({ErrorCode::FileFormat, text(path,
-                                                         ": at byte 0: no commit can be found in it; it is put "
-                                                         "aside as ",
-                                                         aside)});
-    report.may_miss_blobs = true;
+    report.damage.insert(report.damage.end(), other.found.damage.begin(), other.found.damage.end());
+    const char* why = other.found.is_wreck ? ": at byte 0: no commit can be found in it; it is put aside as "
+                                           : ": at byte 0: is older than a file that is damaged; it is put aside as ";
+    report.damage.push_back({ErrorCode::FileFormat, text(path, why, aside)});
+    report.may_miss_blobs |= other.found.is_wreck;
     return {};
 }
 
 Result<void> clear_away(FileSystem& files, const std::string& folder, const std::vector<std::string>& names,
                         const std::vector<OpenedLog>& logs, std::size_t first, LogStoreReport& report) {
     bool is_changed = false;
+    const bool is_damaged =
+        first == 1 && (logs[0].found.is_past_damage || logs[0].found.is_restored || logs[0].found.may_miss_blobs);
     for (std::size_t i = first; i < logs.size(); ++i) {
-        Result<void> done =
-            logs[i].found.is_wreck ? put_aside(files, logs[i], report) : files.remove(logs[i].log->path());
+        const RecoveredLog& found = logs[i].found;
+        const bool is_kept = found.is_wreck || (is_damaged && found.commit.generation != 0);
+        Result<void> done = is_kept ? put_aside(files, logs[i], report) : files.remove(logs[i].log->path());
         if (!done) return done;
         is_changed = true;
     }
@@ -70,12 +72,12 @@ Result<void> clear_away(FileSystem& files, const std::string& folder, const std:
 
 /// What was read may be in the system's memory alone, after a crash of the process or a sync that failed: made durable
 /// before anybody relies on it. A superblock that points behind the end of a file that was cut short must go before the
-/// file grows again.
+/// file grows again; and one that is damaged leaves the commit to be found by its index, until it is written.
 Result<void> settle(OpenedLog& opened) {
     RecoveredLog& found = opened.found;
     if (found.commit.generation == 0) return opened.log->sync();
-    if (found.is_restored) {
-        found.commit.generation = ++found.generation;
+    if (found.is_restored) found.commit.generation = ++found.generation;
+    if (found.is_restored || found.is_other_damaged) {
         if (Result<void> done = opened.log->write_superblock(found.commit, found.slot ^ 1); !done) return done;
     }
     return opened.log->write_superblock(found.commit, found.slot);

@@ -15,7 +15,7 @@ struct OpenedLog {
 };
 
 /// The file with the newest commit, or a new one. There are several only after a crash during compaction: the others
-/// are removed, those without any commit that can be found are put aside.
+/// are removed; those without any commit that can be found are put aside, and all where the one that counts is damaged.
 Result<OpenedLog> open_log(FileSystem& files, const std::string& folder, std::uint64_t salt, LogStoreReport& report);
 
 }  // namespace tilth

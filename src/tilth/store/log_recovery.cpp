@@ -40,14 +40,18 @@ Result<Slots> read_slots(LogFile& log) {
     return slots;
 }
 
-/// A superblock that is not sound was being written, or is damaged now. Either way its commit was durable before: if
-/// all frames of it are there, it counts.
-Result<void> roll_forward(LogFile& log, Superblock& commit) {
+/// A superblock that is not sound was being written, or is damaged now. Either way its commit was durable before: the
+/// last sound index counts, also behind damaged bytes, which then are of blobs that are damaged or lost.
+Result<void> roll_forward(LogFile& log, RecoveredLog& found) {
+    Superblock& commit = found.commit;
     if (commit.end < kFirstFrame || commit.end > log.end()) return {};
-    const Result<LogScan> tail = scan_log(log, commit.end, true);
+    const std::uint64_t tail_begin = commit.end;
+    const Result<LogScan> tail = scan_log(log, tail_begin);
     if (!tail) return tail.error();
+    std::uint64_t first_damage = tail->gaps.empty() ? log.end() : tail->gaps.front().begin;
     for (const FoundFrame& frame : tail->frames) {
-        if (frame.header.type != FrameType::Index) continue;
+        if (!frame.is_sound) first_damage = std::min(first_damage, frame.offset);
+        if (frame.header.type != FrameType::Index || !frame.is_sound) continue;
         const Result<std::optional<Index>> index = read_index(log, frame.offset);
         if (!index) return index.error();
         if (!*index || (*index)->generation <= commit.generation) continue;
@@ -56,6 +60,14 @@ Result<void> roll_forward(LogFile& log, Superblock& commit) {
                   .index_offset = frame.offset,
                   .end = frame.end(),
                   .blobs = kUnknownCount};
+    }
+    if (commit.end > tail_begin && first_damage < commit.end) {
+        found.is_past_damage = true;
+        found.damage.push_back(
+            {ErrorCode::FileFormat, text(log.path(), ": at byte ", first_damage, ": bytes of the last save, of mark ",
+                                         commit.mark, ", are damaged, and so is its superblock at byte ",
+                                         superblock_offset(found.slot ^ 1), "; it was found by its index at byte ",
+                                         commit.index_offset, ": what lies elsewhere is as it was saved")});
     }
     return {};
 }
@@ -124,17 +136,19 @@ Result<RecoveredLog> recover_log(LogFile& log) {
         found.commit = first ? *first : *second;
         found.slot = first ? 0 : 1;
         const std::uint64_t before = found.commit.generation;
-        if (Result<void> done = roll_forward(log, found.commit); !done) return done.error();
-        if (found.commit.generation != before)
-            found.slot ^= 1;
-        else
+        if (Result<void> done = roll_forward(log, found); !done) return done.error();
+        found.is_other_damaged = found.commit.generation == before;
+        if (found.is_other_damaged)
             found.damage.push_back({ErrorCode::FileFormat,
                                     text(log.path(), ": at byte ", superblock_offset(found.slot ^ 1),
                                          ": a superblock is damaged; if it was the newer one, the last save is lost")});
+        else
+            found.slot ^= 1;
     }
     found.generation = found.commit.generation;
 
-    if (found.commit.generation == 0 && (first || second) && log.end() >= kFirstFrame) return found;  // as it is born
+    // As it is born. With a damaged superblock there may have been a commit, and what it had may lie behind.
+    if (found.commit.generation == 0 && first && second && log.end() >= kFirstFrame) return found;
     if (found.commit.generation != 0) {
         const Result<bool> is_whole = read_chain(log, found);
         if (!is_whole) return is_whole.error();
@@ -143,6 +157,7 @@ Result<RecoveredLog> recover_log(LogFile& log) {
     found.runs.clear();
     found.blobs.clear();
     if (Result<void> done = recover_by_scan(log, found); !done) return done.error();
+    if (found.commit.blobs == kUnknownCount) found.commit.blobs = found.blobs.size();
     if (found.is_wreck && *header == HeaderState::Foreign)
         return Error{ErrorCode::FileFormat, text(log.path(),
                                                  ": at byte 0: is no file of ours, or damaged beyond "

@@ -18,6 +18,8 @@ struct RecoveredLog {
     log_format::Superblock commit;  ///< generation 0: there is none
     unsigned slot = 1;              ///< where its superblock is, or belongs
     bool is_restored = false;       ///< both superblocks are worthless: the commit was found by its index
+    bool is_other_damaged = false;  ///< the superblock in the other slot
+    bool is_past_damage = false;    ///< the commit was found by its index, behind bytes that are damaged
     std::uint64_t generation = 0;   ///< the highest that was seen
     std::map<BlobKey, log_format::Entry> blobs;
     std::vector<LogRun> runs;  ///< the chain of indexes, the oldest first; empty after a scan
@@ -44,9 +46,8 @@ struct LogScan {
     std::vector<FoundFrame> frames;
     std::vector<Gap> gaps;
 };
-/// From `begin`, where a frame is, to the end of the file, or, with `stop_at_damage`, to the first byte that is not as
-/// it should be.
-Result<LogScan> scan_log(LogFile& log, std::uint64_t begin, bool stop_at_damage);
+/// From `begin`, where a frame is, to the end of the file.
+Result<LogScan> scan_log(LogFile& log, std::uint64_t begin);
 
 /// Empty: there is no sound index at that place.
 Result<std::optional<log_format::Index>> read_index(LogFile& log, std::uint64_t offset, std::uint64_t* end = nullptr);

@@ -88,7 +88,7 @@ void report_damaged_blobs(LogFile& log, const LogScan& scan, RecoveredLog& found
 
 }  // namespace
 
-Result<LogScan> scan_log(LogFile& log, std::uint64_t begin, bool stop_at_damage) {
+Result<LogScan> scan_log(LogFile& log, std::uint64_t begin) {
     LogScan scan;
     for (std::uint64_t at = begin; at < log.end();) {
         const Result<std::optional<FrameHeader>> header = log.read_frame_header(at);
@@ -96,11 +96,9 @@ Result<LogScan> scan_log(LogFile& log, std::uint64_t begin, bool stop_at_damage)
         if (*header && (*header)->bytes() <= log.end() - at) {
             const Result<bool> is_sound = is_payload_sound(log, **header, at);
             if (!is_sound) return is_sound.error();
-            if (stop_at_damage && !*is_sound) break;
             scan.frames.push_back({**header, at, *is_sound});
             at = scan.frames.back().end();
         } else {
-            if (stop_at_damage) break;
             const Result<std::uint64_t> next = find_frame(log, at + 1);
             if (!next) return next.error();
             scan.gaps.push_back({at, *next});
@@ -112,7 +110,7 @@ Result<LogScan> scan_log(LogFile& log, std::uint64_t begin, bool stop_at_damage)
 
 Result<void> recover_by_scan(LogFile& log, RecoveredLog& found) {
     found.was_scanned = true;
-    const Result<LogScan> scan = scan_log(log, kFirstFrame, false);
+    const Result<LogScan> scan = scan_log(log, kFirstFrame);
     if (!scan) return scan.error();
 
     const Superblock wanted = found.commit;

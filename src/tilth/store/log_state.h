@@ -42,7 +42,7 @@ struct LogState {
         std::uint64_t bytes = log_format::kFirstFrame + live_bytes + blobs.size() * log_format::kFrameHeaderBytes;
         for (const auto& [key, before] : pending) {
             const bool is_seen = blobs.contains(key);
-            committed_blobs += (before ? 1u : 0u) - (is_seen ? 1u : 0u);
+            committed_blobs += std::uint64_t{before.has_value()} - std::uint64_t{is_seen};
             bytes += (before ? before->frame_bytes() : 0) + (is_seen ? 0 : log_format::kFrameHeaderBytes);
         }
         return bytes + log_format::index_frame_bytes(committed_blobs);

@@ -10,6 +10,11 @@ namespace tilth {
 
 using namespace log_format;
 
+namespace {
+/// A share of the file; to copy everything for less is not worth it, even where space is short.
+constexpr double kLeastForcedWaste = 0.03;
+}  // namespace
+
 struct LogStore::Impl {
     FileSystem& files;
     std::string folder;
@@ -27,7 +32,7 @@ struct LogStore::Impl {
     Result<void> write_again();
     std::size_t runs_to_keep(std::size_t changes) const;
     Index next_index(std::uint64_t mark, std::size_t kept_runs, std::vector<BlobKey>& keys) const;
-    bool is_wasteful() const;
+    bool is_wasteful(bool forced) const;
     Result<void> finish_compaction();
     void discard_compaction();
     void remove_leftovers();
@@ -98,7 +103,8 @@ Result<void> LogStore::erase(BlobKey key) {
     return {};
 }
 
-/// After a sync that failed: what the disk may have dropped is written again, and must still be there to be read.
+/// After a sync that failed: what the disk may have dropped is written again, and must still be there to be read. Until
+/// all of it is, or was put again or erased, this fails.
 Result<void> LogStore::Impl::write_again() {
     if (!log->is_doubtful()) return {};
     if (Result<void> done = log->write_again(); !done) return done;
@@ -109,9 +115,12 @@ Result<void> LogStore::Impl::write_again() {
         if (!blob) return blob.error();
         if (!blob->is_sound)
             return Error{ErrorCode::FileWrite,
-                         text(log->path(), ": at byte ", entry->offset,
-                              ": what was written before the disk failed is gone: save it again")};
+                         text(log->path(), ": at byte ", entry->offset, ": the blob ", static_cast<int>(key.kind), " (",
+                              key.x, ", ", key.z,
+                              ") was written before the disk failed, and is gone: put it again, or erase it; until "
+                              "then nothing is saved")};
     }
+    log->trust();
     return {};
 }
 
@@ -192,20 +201,22 @@ std::optional<std::uint64_t> LogStore::mark_of(BlobKey key) const {
 
 BlobStore::Size LogStore::size() const {
     const std::uint64_t next = impl_->compaction == nullptr ? 0 : impl_->compaction->log().end();
-    return {.live_bytes = impl_->state.live_bytes, .disk_bytes = impl_->log->end() + next};
+    return {.live_bytes = impl_->state.live_bytes, .disk_bytes = impl_->log->end() + next, .temporary_bytes = next};
 }
 
-bool LogStore::Impl::is_wasteful() const {
+bool LogStore::Impl::is_wasteful(bool forced) const {
     const std::uint64_t least = state.least_file_bytes(), all = log->end();
-    if (commit.generation == 0 || all <= least || all - least <= settings.least_waste_bytes) return false;
-    return static_cast<double>(all - least) > settings.most_waste * static_cast<double>(all);
+    if (commit.generation == 0 || all <= least) return false;
+    const double share = static_cast<double>(all - least) / static_cast<double>(all);
+    if (share > settings.most_waste && all - least > settings.least_waste_bytes) return true;
+    return forced && share > kLeastForcedWaste;
 }
 
-Result<bool> LogStore::compact(std::uint64_t most_bytes) {
+Result<bool> LogStore::compact(std::uint64_t most_bytes, bool forced) {
     Impl& my = *impl_;
     my.remove_leftovers();
     if (my.compaction == nullptr) {
-        if (!my.is_wasteful()) return false;
+        if (!my.is_wasteful(forced)) return false;
         const FileTag& tag = my.log->tag();
         auto begun = LogCompaction::begin(my.files, my.folder, {tag.salt, tag.number + 1}, my.state);
         if (!begun) return begun.error();
@@ -215,12 +226,15 @@ Result<bool> LogStore::compact(std::uint64_t most_bytes) {
     }
     Result<void> done = my.compaction->step(*my.log, my.state, most_bytes);
     if (done && !my.compaction->is_caught_up()) return true;
+    // It copies what is not committed, too: not as long as that may be gone. What was copied is good and stays.
+    if (done)
+        if (Result<void> again = my.write_again(); !again) return again.error();
     if (done) done = my.finish_compaction();
     if (!done) {
         my.discard_compaction();
         return done.error();
     }
-    return my.is_wasteful();
+    return my.is_wasteful(forced);
 }
 
 /// A new generation, so that the new file is the one to be opened as long as both are there; should it not be finished

@@ -31,11 +31,15 @@ struct LogStoreReport {
 /// whatever part of the unsynced bytes the disk has, leaves the last commit or the one before it.
 ///
 /// Opening reads the indexes alone: cost by the number of blobs that can be got. What lies behind the last commit is
-/// cut off. A damaged blob costs that blob; a damaged index is made again from the frames (`was_scanned`); a file that
-/// was cut short is as of the newest commit that it has all of (`mark` says which). A file in which no commit can be
-/// found is put aside under another name, never written over. Compaction copies live blobs to the next file, step by
-/// step, and removes the old one when the new one is complete and durable; until then nothing depends on the new one.
-/// Damaged blobs stay damaged there.
+/// cut off. A damaged blob costs that blob, also where a superblock is damaged with it; a damaged index is made again
+/// from the frames (`was_scanned`); a file that was cut short is as of the newest commit that it has all of (`mark`
+/// says which). A file in which no commit can be found is put aside under another name, never written over. Compaction
+/// copies live blobs to the next file, step by step, and removes the old one when the new one is complete and durable;
+/// until then nothing depends on the new one. Damaged blobs stay damaged there.
+///
+/// After a sync that failed, what was put since the last commit may be gone even from memory (the system drops it).
+/// Commits, and the end of a compaction, then fail with FileWrite and name a blob that is gone, as long as there is
+/// one: put it again, or erase it.
 ///
 /// A `put` costs a copy; every MiB of them is written, without a sync. A `commit` costs two syncs. Memory: about 150
 /// bytes a blob, 1 MiB of puts. A commit that failed late may turn out to be durable after a crash, as one.
@@ -54,9 +58,11 @@ public:
     Result<void> erase(BlobKey key) override;
     Result<void> commit(std::uint64_t mark) override;
     [[nodiscard]] std::uint64_t mark() const override;
-    [[nodiscard]] std::optional<std::uint64_t> mark_of(BlobKey key) const override;
+    /// The mark of the commit that made the present blob durable; empty: none did yet, or it is not known.
+    [[nodiscard]] std::optional<std::uint64_t> mark_of(BlobKey key) const;
     [[nodiscard]] Size size() const override;
-    Result<bool> compact(std::uint64_t most_bytes) override;
+    /// Begins as the settings say; forced: with waste of more than 3 % of the file. Until it ends both files are there.
+    Result<bool> compact(std::uint64_t most_bytes, bool forced = false) override;
 
 private:
     struct Impl;

@@ -21,7 +21,7 @@ const char* advice(int reason) {
     switch (reason) {
         case ENOSPC:
         case EDQUOT:
-            return "the disk is full: free some space; nothing was lost";
+            return "the disk is full: free some space";
         case EFBIG:
             return "the file system holds no larger files: move the world to another disk";
         case EACCES:

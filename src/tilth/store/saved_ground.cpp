@@ -63,6 +63,7 @@ Result<void> SavedGround::redo() {
 }
 
 Snapshot SavedGround::snapshot() {
+    TILTH_EXPECTS(!std::exchange(is_writing_, true), "finish() the snapshot before, or what it held may be lost");
     Snapshot snapshot = editor_.begin_snapshot();
     changed_.take_coarse(*ground_, snapshot);
     changed_.take_tiles(*ground_, snapshot);
@@ -70,8 +71,9 @@ Snapshot SavedGround::snapshot() {
 }
 
 void SavedGround::finish(const Snapshot& snapshot, const Result<void>& outcome) {
+    is_writing_ = false;
     if (outcome) return;
-    editor_.snapshot_failed();
+    editor_.snapshot_failed(snapshot);
     changed_.put_back(snapshot);
 }
 

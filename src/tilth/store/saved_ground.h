@@ -40,7 +40,8 @@ public:
 
     /// Waits until every stamp so far is durable.
     Result<void> flush() { return world_->flush(); }
-    /// What changed since the last snapshot; cheap (pages of the detail map are shared, of the coarse map copied).
+    /// What changed since the last snapshot, which is finished; cheap (pages of the detail map are shared, of the
+    /// coarse map copied).
     Snapshot snapshot();
     /// Writes it, on any thread; then `finish` on the ground's own thread, with the outcome.
     Result<void> commit(const Snapshot& snapshot) { return world_->commit(snapshot); }
@@ -55,7 +56,8 @@ private:
     std::shared_ptr<WorldFolder> world_;
     Editor editor_;
     std::vector<Error> reports_;
-    ChangedParts changed_;
+    ChangedParts changed_{true};
+    bool is_writing_ = false;  ///< a snapshot is taken and not finished
 };
 
 }  // namespace tilth

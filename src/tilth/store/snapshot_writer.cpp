@@ -18,7 +18,9 @@ Result<void> SnapshotWriter::write(const Snapshot& snapshot) {
         return Error{ErrorCode::FileWrite, text(name_, ": tile (", torn->x, ", ", torn->z,
                                                 ") was saved in part, for an error; the snapshot must have it again")};
     if (const Result<void> written = write_history(snapshot); !written) return written;
-    return blobs_.commit(snapshot.edits);
+    Result<void> committed = blobs_.commit(snapshot.edits);
+    if (!committed) pages_.commit_failed();
+    return committed;
 }
 
 Result<void> SnapshotWriter::write_waiting(const TileSnapshot& tile) {

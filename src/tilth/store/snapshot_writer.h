@@ -30,8 +30,9 @@ public:
           waiting_tiles_(std::move(waiting)),
           stroke_parts_(std::move(stroke_parts)) {}
 
-    /// Writes and commits. Fails also where a tile is torn that the snapshot does not have. After an error the store is
-    /// as of its last commit on disk, and in a state that a larger snapshot puts right.
+    /// Writes and commits. Fails also where a tile is torn that the snapshot does not have. After an error the store
+    /// is as of its last commit on disk (or, where the commit failed late, as of this one, wholly), and in a state that
+    /// a larger snapshot puts right, which writes every page again that was saved since the last commit.
     Result<void> write(const Snapshot& snapshot);
     [[nodiscard]] const std::set<TileIndex>& waiting_tiles() const { return waiting_tiles_; }
 

@@ -115,6 +115,11 @@ std::span<const std::byte> bytes_of(std::span<const StampRecord> records) { retu
 
 }  // namespace
 
+Result<std::optional<std::vector<std::byte>>> get_blob(BlobStore& blobs, BlobKey key) {
+    auto blob = blobs.get(key);
+    return !blob && blob.error().code == ErrorCode::FileRead ? blobs.get(key) : blob;
+}
+
 // ---------------------------------------------------------------------------------------------------- counters
 
 std::vector<std::byte> encode_counters(const WorldCounters& counters) {

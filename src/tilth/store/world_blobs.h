@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,14 @@ Result<std::uint32_t> parts_of_stroke(std::span<const std::byte> first_part, std
 /// `number`: of the stroke that the parts must be of.
 Result<StrokePtr> decode_stroke(std::span<const std::vector<std::byte>> parts, std::uint64_t number,
                                 std::string_view where);
+
+/// `BlobStore::get`, a second time where the first one could not read (FileRead): a wire may be loose for a moment.
+Result<std::optional<std::vector<std::byte>>> get_blob(BlobStore& blobs, BlobKey key);
+/// Of an error of `get_blob` or of a decoder: the blob is lost, unless it is made again; an unreadable sector is as bad
+/// as a flipped bit.
+[[nodiscard]] inline bool is_damage(const Error& error) {
+    return error.code == ErrorCode::FileFormat || error.code == ErrorCode::FileRead;
+}
 
 // Keys of blobs.
 

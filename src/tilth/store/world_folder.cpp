@@ -18,7 +18,7 @@
 namespace tilth {
 namespace {
 
-// What one call of compaction copies while a snapshot makes room.
+// What a snapshot copies at most, to make room.
 constexpr std::uint64_t kCompactionStep = 16u << 20;
 
 }  // namespace
@@ -34,7 +34,7 @@ struct WorldFolder::Impl {
     const ShapeLibrary* shapes = nullptr;  // the ground's
     std::uint32_t kept_shapes = 0;         // ids below it
     std::unique_ptr<Journal> journal;
-    std::atomic<std::uint64_t> committed = 0, page_bytes = 0, live_page_bytes = 0;
+    std::atomic<std::uint64_t> committed = 0, page_bytes = 0, live_page_bytes = 0, temporary_page_bytes = 0;
 
     std::mutex blobs_mutex;
     std::shared_ptr<BlobStore> blobs;  // nullptr: abandoned
@@ -43,7 +43,7 @@ struct WorldFolder::Impl {
     std::map<TileIndex, std::vector<WaitingStamp>> waiting;  // as of the last commit
     std::optional<SnapshotWriter> writer;
     std::set<PageIndex> reported;  // damaged detail pages, each told once
-    bool is_over_budget = false;
+    bool is_over_reported = false;
 
     std::mutex errors_mutex;
     std::vector<Error> errors;
@@ -52,7 +52,11 @@ struct WorldFolder::Impl {
     [[nodiscard]] Result<void> usable() const;
     void report(Error error);
     void note_sizes();
-    [[nodiscard]] std::uint64_t disk_bytes() const { return journal->disk_bytes() + page_bytes; }
+    /// What an unfinished compaction has is not counted: it goes when the compaction ends.
+    [[nodiscard]] std::uint64_t disk_bytes() const { return journal->disk_bytes() + page_bytes - temporary_page_bytes; }
+    [[nodiscard]] bool is_over_budget() const {
+        return options.most_disk_bytes != 0 && disk_bytes() > options.most_disk_bytes;
+    }
 
     Result<void> repair_pages(TileIndex tile, std::map<PageIndex, Error>& damaged, std::vector<Page>& pages);
     void keep_to_budget(std::uint64_t edits);
@@ -75,6 +79,7 @@ void WorldFolder::Impl::note_sizes() {
     const BlobStore::Size size = blobs->size();
     page_bytes = size.disk_bytes;
     live_page_bytes = size.live_bytes;
+    temporary_page_bytes = size.temporary_bytes;
 }
 
 // ---------------------------------------------------------------------------------------------------- opening
@@ -204,6 +209,7 @@ Result<void> WorldFolder::Impl::repair_pages(TileIndex tile, std::map<PageIndex,
     if (const auto stamps = waiting.find(tile); stamps != waiting.end()) left_out = stamps->second;
     auto rebuilt = wanted.empty() ? Result<std::vector<Page>>(std::vector<Page>())
                                   : repair->pages(committed, MapKind::Detail, wanted, left_out);
+    if (!rebuilt && !is_beyond_repair(rebuilt.error())) return rebuilt.error();  // later, then
     for (const auto& [page, error] : damaged) {
         if (!reported.insert(page).second) continue;
         const std::string outcome = !wanted.contains(page) ? "lost, it was not yet committed; it reads as untouched"
@@ -255,20 +261,20 @@ Result<void> WorldFolder::commit(const Snapshot& snapshot) {
 
 void WorldFolder::Impl::keep_to_budget(std::uint64_t edits) {
     const std::uint64_t most = options.most_disk_bytes;
-    if (most == 0) return;
-    if (const std::uint64_t now = disk_bytes(); now > most) {
-        const std::uint64_t journal_now = journal->disk_bytes(), over = now - most;
+    if (is_over_budget()) {
+        const std::uint64_t journal_now = journal->disk_bytes(), over = disk_bytes() - most;
         const Result<void> released = journal->release(edits, journal_now > over ? journal_now - over : 0);
         if (!released) report(released.error());
     }
-    while (disk_bytes() > most) {
-        const auto more = blobs->compact(kCompactionStep);
+    if (is_over_budget()) {
+        // One step: `load` waits meanwhile. The others come with `compact`.
+        const auto more = blobs->compact(kCompactionStep, true);
         note_sizes();
         if (!more) report(more.error());
-        if (!more || !*more) break;
+        if (more && *more) return;
     }
-    const bool was_over = std::exchange(is_over_budget, disk_bytes() > most);
-    if (is_over_budget && !was_over)
+    const bool was_reported = std::exchange(is_over_reported, is_over_budget());
+    if (is_over_reported && !was_reported)
         report(
             {ErrorCode::FileWrite, text(folder, ": the world has ", disk_bytes(), " bytes on disk (journal ",
                                         journal->disk_bytes(), ", pages ", page_bytes.load(), ", of which ",
@@ -279,7 +285,7 @@ void WorldFolder::Impl::keep_to_budget(std::uint64_t edits) {
 Result<bool> WorldFolder::compact(std::uint64_t most_bytes) {
     const std::lock_guard guard(impl_->blobs_mutex);
     if (const Result<void> usable = impl_->usable(); !usable) return usable.error();
-    auto more = impl_->blobs->compact(most_bytes);
+    auto more = impl_->blobs->compact(most_bytes, impl_->is_over_budget());
     impl_->note_sizes();
     return more;
 }

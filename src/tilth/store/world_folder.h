@@ -25,8 +25,9 @@ struct WorldOptions {
     /// Journal behind the last snapshot that stays, so that damaged pages can be rebuilt: at most this much. 64 bytes
     /// an edit; while it reaches back to the first edit every page can be.
     std::uint64_t keep_journal_bytes = 64u << 20;
-    /// Of everything in the folder; 0: no bound. Beyond it old journal goes, then waste. Where that does not help, each
-    /// snapshot reports it (`take_errors`): nothing that was dented is dropped for space.
+    /// Of journal and pages; 0: no bound. Beyond it old journal goes, then waste, a step with each snapshot and each
+    /// `compact`; while that goes on, the new copy of the pages comes on top. Where that does not help, it is reported
+    /// (`take_errors`), once while it lasts: nothing that was dented is dropped for space.
     std::uint64_t most_disk_bytes = 0;
     std::string heights;               ///< note of where the heights come from, kept when the world is made
     FileSystem* files = nullptr;       ///< nullptr: the system's
@@ -89,9 +90,11 @@ public:
     Result<std::vector<Page>> load(TileIndex tile, const PageRect& pages) override;
     Result<void> save(TileIndex tile, std::span<const Page> pages) override;
     /// Flushes the journal, writes what changed, makes it durable as one, and lets old journal go. On an error the
-    /// world on disk is as before and the snapshot must be taken again, larger.
+    /// snapshot must be taken again, larger; until then the world on disk is as before, or, where the commit failed
+    /// late, as of this snapshot, wholly.
     Result<void> commit(const Snapshot& snapshot);
-    /// A step of giving disk space back, of about `most_bytes`. True: there is more to do.
+    /// A step of giving disk space back, of about `most_bytes`, where much is wasted or `most_disk_bytes` is exceeded.
+    /// True: there is more to do.
     Result<bool> compact(std::uint64_t most_bytes);
 
     struct Size {

@@ -66,7 +66,7 @@ std::vector<PageIndex> WorldPages::keys(TileIndex tile) const {
 Result<Page> WorldPages::read(MapKind map, PageIndex page) {
     const std::string where =
         text(name_, ": ", map == MapKind::Coarse ? "coarse" : "detail", " page (", page.x, ", ", page.z, ")");
-    const auto blob = blobs_.get(key_of_page(map, page));
+    const auto blob = get_blob(blobs_, key_of_page(map, page));
     if (!blob) return blob.error();
     if (!*blob) return Error{ErrorCode::FileFormat, text(where, ": is gone from the store")};
     auto codes = decode_page(**blob, where);
@@ -74,16 +74,17 @@ Result<Page> WorldPages::read(MapKind map, PageIndex page) {
     return Page{page, std::move(*codes)};
 }
 
-Result<WorldPages::Found> WorldPages::load(MapKind map, Hashes& hashes, const PageRect* pages) {
+Result<WorldPages::Found> WorldPages::load(MapKind map, Hashes& known, const PageRect* pages) {
     Found found;
-    for (auto& [index, hash] : hashes) {
+    const std::set<PageIndex>& doubtful = pending(map).doubtful;
+    for (auto& [index, hash] : known) {
         if (pages != nullptr && !pages->contains(index)) continue;
         auto page = read(map, index);
         if (page) {
-            hash = hash_of(*page->codes);
+            if (!doubtful.contains(index)) hash = hash_of(*page->codes);
             found.pages.push_back(std::move(*page));
         } else {
-            if (page.error().code != ErrorCode::FileFormat) return page.error();
+            if (!is_damage(page.error())) return page.error();
             hash.reset();
             found.damaged.emplace(index, page.error());
         }
@@ -107,7 +108,8 @@ Result<void> WorldPages::put(MapKind map, const Page& page, std::uint64_t hash) 
     const Result<void> put = blobs_.put(key_of_page(map, page.index), encode_page(*page.codes, coarse_map_.precision));
     if (!put) return put;
     known[page.index] = hash;
-    if (map == MapKind::Detail) pending_.insert(page.index);
+    pending(map).put.insert(page.index);
+    pending(map).doubtful.erase(page.index);
     return {};
 }
 
@@ -144,6 +146,15 @@ Result<void> WorldPages::save(TileIndex tile, std::span<const Page> pages) {
             if (const Result<void> erased = erase(MapKind::Detail, page); !erased) return erased;
     torn_.erase(tile);
     return {};
+}
+
+void WorldPages::commit_failed() {
+    for (const MapKind map : {MapKind::Coarse, MapKind::Detail}) {
+        Pending& of_map = pending(map);
+        of_map.doubtful = of_map.put;
+        for (const PageIndex page : of_map.put)
+            if (has(map, page)) hashes(map, page)[page].reset();
+    }
 }
 
 std::optional<TileIndex> WorldPages::torn() const {

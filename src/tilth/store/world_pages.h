@@ -41,11 +41,11 @@ public:
 
     struct Found {
         std::vector<Page> pages;
-        std::map<PageIndex, Error> damaged;  ///< errors of code FileFormat; any other one fails the whole
+        std::map<PageIndex, Error> damaged;  ///< errors of which `is_damage` holds; any other one fails the whole
     };
     Result<Found> load(TileIndex tile, const PageRect& pages);
     Result<Found> load_coarse();
-    /// One page, without taking note of it. Fails (FileFormat) where it is damaged.
+    /// One page, without taking note of it. Fails (`is_damage`) where it is damaged.
     Result<Page> read(MapKind map, PageIndex page);
 
     /// As `TileStore::save`. After an error the tile is *torn*: neither old nor new, until a save goes well.
@@ -59,17 +59,25 @@ public:
     Result<void> erase(MapKind map, PageIndex page);
 
     /// Put since the last commit: nobody can say as of which edit.
-    [[nodiscard]] bool is_pending(PageIndex page) const { return pending_.contains(page); }
-    void committed() { pending_.clear(); }
+    [[nodiscard]] bool is_pending(PageIndex page) const { return detail_pending_.put.contains(page); }
+    void committed() { coarse_pending_ = detail_pending_ = {}; }
+    /// What was put since the last commit that went well may be gone from the disk: whatever is read of it now, the
+    /// next save writes it again.
+    void commit_failed();
 
 private:
     /// Of the codes that the store has; empty: not known.
     using Hashes = std::map<PageIndex, std::optional<std::uint64_t>>;
+    struct Pending {
+        std::set<PageIndex> put;       ///< since the last commit
+        std::set<PageIndex> doubtful;  ///< of those: not again since a commit failed
+    };
+    [[nodiscard]] Pending& pending(MapKind map) { return map == MapKind::Coarse ? coarse_pending_ : detail_pending_; }
     [[nodiscard]] Hashes& hashes(MapKind map, PageIndex page) {
         return map == MapKind::Coarse ? coarse_ : detail_[tile_of(page)];
     }
     Result<void> put(MapKind map, const Page& page, std::uint64_t hash);
-    Result<Found> load(MapKind map, Hashes& hashes, const PageRect* pages);
+    Result<Found> load(MapKind map, Hashes& known, const PageRect* pages);
     [[nodiscard]] PageCodes original_page(PageIndex page) const;
 
     BlobStore& blobs_;
@@ -80,7 +88,7 @@ private:
     std::map<TileIndex, Hashes> detail_;
     Hashes coarse_;
     std::set<TileIndex> torn_;
-    std::set<PageIndex> pending_;  ///< of the detail map
+    Pending coarse_pending_, detail_pending_;
 };
 
 }  // namespace tilth

@@ -26,15 +26,13 @@ std::size_t depth_of_undo(std::span<const Edit> tail) {
     return depth;
 }
 
-bool is_damage(const Error& error) { return error.code == ErrorCode::FileFormat; }
-
 }  // namespace
 
 Result<StrokePtr> read_stroke(BlobStore& blobs, std::uint64_t number, const std::string& name) {
     const std::string where = text(name, ": stroke ", number, " of the undo history");
     std::vector<std::vector<std::byte>> content;
     for (std::uint32_t parts = 1; content.size() < parts;) {
-        auto blob = blobs.get(key_of_stroke(number, static_cast<std::uint32_t>(content.size())));
+        auto blob = get_blob(blobs, key_of_stroke(number, static_cast<std::uint32_t>(content.size())));
         if (!blob) return blob.error();
         if (!*blob) return Error{ErrorCode::FileFormat, text(where, ": part ", content.size(), " is gone")};
         content.push_back(std::move(**blob));
@@ -69,7 +67,7 @@ void WorldRecovery::report(const Error& damage, const std::string& outcome) {
 
 Result<void> WorldRecovery::read_counters(bool may_be_old) {
     if (mark_ == 0) return {};
-    const auto blob = blobs_.get(kCountersKey);
+    const auto blob = get_blob(blobs_, kCountersKey);
     if (!blob && !is_damage(blob.error())) return blob.error();
     Error damage{ErrorCode::FileFormat, text(name_, ": the world's counters are gone from the store")};
     if (!blob) {
@@ -89,6 +87,7 @@ Result<void> WorldRecovery::read_counters(bool may_be_old) {
     }
     has_counters_ = false;
     const auto last = repair_.last_sequence(mark_);
+    if (!last && !is_beyond_repair(last.error())) return last.error();
     if (last)
         counters_.next_sequence = std::max(counters_.next_sequence, *last + 1);
     else
@@ -108,13 +107,16 @@ Result<void> WorldRecovery::restore_counters() {
     };
     for (const auto& [tile, stamps] : out_->waiting)
         for (const WaitingStamp& stamp : stamps) note(stamp.record);
-    for (const BlobKey& key : *keys)
-        if (part_of_key(key) == 0)
-            if (const auto stroke = read_stroke(blobs_, stroke_of_key(key), name_))
-                for (const StampRecord& record : (*stroke)->records) note(record);
+    for (const BlobKey& key : *keys) {
+        if (part_of_key(key) != 0) continue;
+        const auto stroke = read_stroke(blobs_, stroke_of_key(key), name_);
+        if (!stroke && !is_damage(stroke.error())) return stroke.error();
+        if (stroke)
+            for (const StampRecord& record : (*stroke)->records) note(record);
+    }
 
     const auto strokes = repair_.strokes(mark_);
-    if (!strokes) return {};
+    if (!strokes) return is_beyond_repair(strokes.error()) ? Result<void>() : strokes.error();
     const std::size_t kept = std::min(strokes->done.size(), std::max(kLeastStrokes, depth_of_undo(out_->tail)));
     for (std::size_t i = 0; i < kept; ++i) counters_.done.push_back(counters_.next_stroke++);
     for (std::size_t i = 0; i < strokes->undone.size(); ++i) counters_.undone.push_back(counters_.next_stroke++);
@@ -135,6 +137,7 @@ Result<void> WorldRecovery::rebuild_tile(TileIndex tile) {
     if (!rebuilt) return rebuilt.error();
     for (const Page& page : *rebuilt)
         if (const Result<void> put = pages_.replace(MapKind::Detail, page); !put) return put;
+    rebuilt_tiles_.insert(tile);
     return {};
 }
 
@@ -144,18 +147,18 @@ Result<void> WorldRecovery::read_waiting() {
     for (const BlobKey& key : *keys) {
         const TileIndex tile{key.x, key.z};
         const std::string where = text(name_, ": stamps that wait for tile (", tile.x, ", ", tile.z, ")");
-        const auto blob = blobs_.get(key);
+        const auto blob = get_blob(blobs_, key);
         if (!blob && !is_damage(blob.error())) return blob.error();
         auto stamps = blob && *blob ? decode_waiting(**blob, where)
                                     : Result<std::vector<WaitingStamp>>(
                                           blob ? Error{ErrorCode::FileFormat, where + ": are gone"} : blob.error());
         // Without the counters their strokes get other numbers: they are better applied than never undone.
-        if (stamps && (has_counters_ || !repair_.last_sequence(mark_))) {
+        if (stamps && (has_counters_ || history_is_cut_)) {
             out_->waiting.emplace(tile, std::move(*stamps));
             continue;
         }
         const Result<void> rebuilt = rebuild_tile(tile);
-        if (!rebuilt && rebuilt.error().code == ErrorCode::FileWrite) return rebuilt;
+        if (!rebuilt && !is_beyond_repair(rebuilt.error())) return rebuilt;
         if (!stamps) {
             report(stamps.error(), rebuilt ? "the tile's pages were rebuilt with them from the journal"
                                            : "they are lost: " + rebuilt.error().message);
@@ -174,6 +177,7 @@ Result<void> WorldRecovery::read_coarse() {
     std::set<PageIndex> wanted;
     for (const auto& [page, error] : found->damaged) wanted.insert(page);
     auto rebuilt = repair_.pages(mark_, MapKind::Coarse, wanted, {});
+    if (!rebuilt && !is_beyond_repair(rebuilt.error())) return rebuilt.error();
     for (const auto& [page, error] : found->damaged)
         report(error,
                rebuilt ? "rebuilt from the journal" : "lost, it reads as before any stamp: " + rebuilt.error().message);
@@ -192,6 +196,8 @@ Result<void> WorldRecovery::read_coarse() {
 /// The store lost blobs, nobody knows which. So every page is made again and compared; stamps that wait are applied.
 Result<void> WorldRecovery::check_everything(const std::vector<Error>& lost_blobs) {
     const auto coarse = repair_.written(mark_, MapKind::Coarse), detail = repair_.written(mark_, MapKind::Detail);
+    for (const auto* written : {&coarse, &detail})
+        if (!*written && !is_beyond_repair(written->error())) return written->error();
     for (const Error& damage : lost_blobs)
         report(damage, mark_ == 0 ? "the world is as its original heights and the journal have it"
                        : detail   ? "everything was compared with the journal, and rebuilt where it differed"
@@ -265,14 +271,23 @@ Result<void> WorldRecovery::restore_list(const std::vector<std::uint64_t>& numbe
         const std::uint64_t number = numbers[i];
         auto stroke =
             has_counters_ ? read_stroke(blobs_, number, name_) : Result<StrokePtr>(Error{ErrorCode::FileFormat, ""});
+        bool is_sound = stroke.ok();
+        if (is_sound && are_done) {
+            // What waited for a tile was stamped there meanwhile, by `rebuild_tile`: the stroke has no images of it.
+            const auto lacks_images = repair_.reaches(mark_, **stroke, rebuilt_tiles_);
+            if (!lacks_images) return lacks_images.error();
+            if (*lacks_images)
+                stroke = Error{ErrorCode::FileFormat,
+                               text(name_, ": stroke ", number, " of the undo history lacks a tile that was rebuilt")};
+        }
         if (stroke) {
             out.push_back(std::move(*stroke));
             continue;
         }
         if (!is_damage(stroke.error())) return stroke.error();
         auto again = made_again(number, are_done, numbers.size() - 1 - i);
-        if (!again && again.error().code == ErrorCode::FileWrite) return again.error();
-        if (has_counters_)
+        if (!again && !is_beyond_repair(again.error())) return again.error();
+        if (has_counters_ && !(is_sound && again))  // that the tile was rebuilt has been told
             report(stroke.error(),
                    again ? "made again from the journal"
                          : text("the ", i + 1, are_done ? " oldest" : " next", " strokes can no longer be ",

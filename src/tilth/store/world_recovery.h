@@ -26,7 +26,7 @@ public:
 
     /// `recovered.tail` is there. `lost_blobs`: what the store reports where blobs may be missing or old ones, and
     /// nobody knows which; then every page is compared with what the journal says. Fails where the store cannot be read
-    /// or written.
+    /// or written, and where something is damaged and what it is made of cannot be read now.
     Result<void> run(const std::vector<Error>& lost_blobs, RecoveredWorld& recovered);
 
     /// Strokes that the store has, with the number of their parts.
@@ -55,11 +55,12 @@ private:
     RecoveredWorld* out_ = nullptr;
     WorldCounters counters_;
     std::uint64_t mark_ = 0;
+    std::set<TileIndex> rebuilt_tiles_;  ///< with stamps that strokes in the store have no images of
     bool has_counters_ = true, history_is_cut_ = false;
     std::map<std::uint64_t, std::uint32_t> stroke_parts_;
 };
 
-/// Parts of one stroke from the store, decoded. Fails (FileFormat) where they are damaged or incomplete.
+/// Parts of one stroke from the store, decoded. Fails (`is_damage`) where they are damaged or incomplete.
 Result<StrokePtr> read_stroke(BlobStore& blobs, std::uint64_t number, const std::string& name);
 
 }  // namespace tilth

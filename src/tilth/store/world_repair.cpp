@@ -121,6 +121,19 @@ Result<WorldRepair::Strokes> WorldRepair::strokes(std::uint64_t edits) {
     return known_->strokes;
 }
 
+Result<bool> WorldRepair::reaches(std::uint64_t edits, const Stroke& stroke, const std::set<TileIndex>& tiles) {
+    if (tiles.empty()) return false;
+    if (const Result<void> known = know(edits); !known) return known.error();
+    bool found = false;
+    for (const StampRecord& record : stroke.records) {
+        if (record.map != MapKind::Detail) continue;
+        if (record.shape >= known_->shapes.size()) return true;  // it is not what it should be
+        for_each_tile(tiles_of(place_.tiles, reach_of(record, place_.detail, known_->shapes)),
+                      [&](TileIndex tile) { found = found || tiles.contains(tile); });
+    }
+    return found;
+}
+
 Result<void> WorldRepair::add_images(const Strokes& strokes, std::size_t place, Stroke& stroke,
                                      const std::map<TileIndex, std::vector<WaitingStamp>>& waiting) {
     TILTH_ASSERT(known_.has_value(), "strokes come from this object");

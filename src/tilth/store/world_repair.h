@@ -20,10 +20,16 @@
 
 namespace tilth {
 
+/// Of an error of `WorldRepair`: what was asked for is gone. With any other one (a journal or shape that cannot be read
+/// now, too many open files) it may be made later, and must not be given up.
+[[nodiscard]] inline bool is_beyond_repair(const Error& error) {
+    return error.code == ErrorCode::NotFound || error.code == ErrorCode::FileFormat;
+}
+
 /// Makes pages and strokes again as they were after some edit. Possible while the journal reaches back to the first
-/// edit; every member fails, saying so, when it does not. Reads the whole journal at the first call, and keeps the
-/// stamps in memory (64 bytes each) until `forget`. Shapes come from the world's folder. Threads: one at a time; the
-/// journal may be appended to meanwhile.
+/// edit; every member fails, saying so, when it does not. Reads the whole journal at the first call, which takes up to
+/// 200 bytes an edit for a moment, and keeps every stamp twice (as one in effect and in its stroke: 128 bytes) until
+/// `forget`. Shapes come from the world's folder. Threads: one at a time; the journal may be appended to meanwhile.
 class WorldRepair {
 public:
     struct Place {
@@ -55,6 +61,9 @@ public:
     /// before it, hence after the strokes below. Pages of tiles for which all of the stroke still waits are left out.
     Result<void> add_images(const Strokes& strokes, std::size_t place, Stroke& stroke,
                             const std::map<TileIndex, std::vector<WaitingStamp>>& waiting);
+
+    /// Whether a stamp of `stroke` can have written to one of `tiles`.
+    Result<bool> reaches(std::uint64_t edits, const Stroke& stroke, const std::set<TileIndex>& tiles);
 
     void forget() { known_.reset(); }
 
