@@ -170,7 +170,7 @@ Result<void> Terrain::Impl::recover(RecoveredWorld& recovered) {
     world = std::make_unique<WorldStage>(*ground, *editor, settings.world, gpu ? gpu->coarse.get() : nullptr, detail);
     if (const Result<void> queued = editor->recover(recovered); !queued) return queued.error();
     if (detail != nullptr) {
-        detail->cache().restore_waiting(std::move(recovered.waiting), editor->history());
+        detail->cache().restore_waiting(recovered.waiting, editor->history());
     } else if (const Result<void> restored = world->restore_detail(recovered); !restored) {
         return restored.error();
     }

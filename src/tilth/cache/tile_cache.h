@@ -116,7 +116,7 @@ public:
 
     /// Stamps that waited for tiles when the world was saved last. Before the first frame. What does not fit this world
     /// is left out and reported.
-    void restore_waiting(std::map<TileIndex, std::vector<WaitingStamp>> waiting, const UndoHistory& history);
+    void restore_waiting(const std::map<TileIndex, std::vector<WaitingStamp>>& waiting, const UndoHistory& history);
     /// Everything that changed since the last snapshot, of one moment. Empty while an edit waits for tiles: ask again
     /// next frame. With the gpu executor what the field lacks is read back, which waits; less so if `prepare_snapshot`
     /// was called in the frames before.

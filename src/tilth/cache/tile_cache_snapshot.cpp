@@ -6,7 +6,8 @@
 
 namespace tilth {
 
-void TileCache::restore_waiting(std::map<TileIndex, std::vector<WaitingStamp>> waiting, const UndoHistory& history) {
+void TileCache::restore_waiting(const std::map<TileIndex, std::vector<WaitingStamp>>& waiting,
+                                const UndoHistory& history) {
     for (const auto& [index, stamps] : waiting) {
         if (!grid_.exists(index) || stamps.empty()) continue;
         Tile& tile = tiles_[index];
