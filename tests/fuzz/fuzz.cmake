@@ -1,9 +1,13 @@
 # One fuzz target on a copy of its corpus: cmake -DPROGRAM= -DPARSER= -DCORPORA= -DWORK= -DMALLOC= -DLENGTH= -P this.
-# Environment: TILTH_FUZZ_SECONDS (3). Writes WORK/<parser>.summary; on a finding the input stays in WORK/findings.
+# Environment: TILTH_FUZZ_SECONDS (3), TILTH_FUZZ_SEED (another each time). Writes WORK/<parser>.summary; on a finding the input stays in WORK/findings.
 if(DEFINED ENV{TILTH_FUZZ_SECONDS})
     set(seconds $ENV{TILTH_FUZZ_SECONDS})
 else()
     set(seconds 3)
+endif()
+set(seed "")
+if(DEFINED ENV{TILTH_FUZZ_SEED})
+    set(seed "-seed=$ENV{TILTH_FUZZ_SEED}")
 endif()
 set(copy "${WORK}/corpus/${PARSER}")
 set(findings "${WORK}/findings")
@@ -22,7 +26,7 @@ list(LENGTH kept inputs)
 
 set(ENV{ASAN_OPTIONS} "quarantine_size_mb=16:$ENV{ASAN_OPTIONS}")
 execute_process(
-    COMMAND "${PROGRAM}" -max_total_time=${seconds} -max_len=${LENGTH} -timeout=30 -rss_limit_mb=1500
+    COMMAND "${PROGRAM}" -max_total_time=${seconds} ${seed} -max_len=${LENGTH} -timeout=30 -rss_limit_mb=1500
             -malloc_limit_mb=${MALLOC} -print_final_stats=1 "-artifact_prefix=${findings}/${PARSER}-" "${copy}"
     RESULT_VARIABLE status OUTPUT_FILE "${log}" ERROR_FILE "${log}")
 file(READ "${log}" output)
