@@ -29,11 +29,17 @@ Result<std::unique_ptr<TileCache>> TileCache::create(Ground& ground, const TileG
     for (const TileIndex index : *stored)
         if (grid.exists(index)) made->tiles_[index].stored = true;
     for (const TileIndex index : *stored)
-        for_each_neighbour(index, [&](TileIndex at) {
-            if (grid.exists(index) && grid.exists(at) && made->tiles_.try_emplace(at).second)
-                made->tiles_[at].suspected = true;
-        });
+        if (grid.exists(index)) made->suspect_neighbours(index);
     return made;
+}
+
+/// The aprons of the tiles about one that holds something may hold some of it.
+void TileCache::suspect_neighbours(TileIndex index) {
+    for_each_neighbour(index, [&](TileIndex at) {
+        if (!grid_.exists(at)) return;
+        const auto [found, inserted] = tiles_.try_emplace(at);
+        if (inserted) found->second.suspected = true;
+    });
 }
 
 TileCache::TileCache(Ground& ground, const TileGrid& grid, std::shared_ptr<TileStore> store, TileTextures& textures,

@@ -219,6 +219,7 @@ private:
     void start_wanted(gl::CacheStats& stats);
     void let_go_unwanted(gl::CacheStats& stats);
     void fetch_the_crowded();
+    void suspect_neighbours(TileIndex index);
     void start_load(TileIndex index, Tile& tile);
     template <class Visit>
     void for_each_cold_neighbour(TileIndex of, const Visit& visit) const;

@@ -20,16 +20,12 @@ void TileCache::restore_waiting(const std::map<TileIndex, std::vector<WaitingSta
                                         ", ", index.z, "), is left out: ", accepted.error().message)});
                 continue;
             }
-            const GroundEdit edit{.record = stamp.record,
-                                  .stroke = stamp.stroke == 0 ? nullptr : history.find(stamp.stroke),
-                                  .position = stamp.position};
-            tile.pending.push_back({edit, prepare(stamp.record, ground_.map(MapKind::Detail), ground_.shapes())});
+            tile.pending.push_back(
+                {edit_of(stamp, history), prepare(stamp.record, ground_.map(MapKind::Detail), ground_.shapes())});
         }
         pending_ += tile.pending.size();
         if (tile.pending.size() >= settings_.most_pending) crowded_.insert(index);
-        for_each_neighbour(index, [&](TileIndex at) {
-            if (grid_.exists(at) && tiles_.try_emplace(at).second) tiles_[at].suspected = true;
-        });
+        suspect_neighbours(index);
     }
 }
 

@@ -26,10 +26,7 @@ Result<std::set<TileIndex>> restore_detail(WorldFolder& world, const RecoveredWo
         for (const WaitingStamp& stamp : stamps) {
             if (const Result<void> accepted = ground.accept(stamp.record); !accepted) return accepted.error();
             const PreparedStamp prepared = prepare(stamp.record, map, ground.shapes());
-            const GroundEdit edit{.record = stamp.record,
-                                  .stroke = stamp.stroke == 0 ? nullptr : history.find(stamp.stroke),
-                                  .position = stamp.position};
-            keep_images(edit, prepared, grid.inside(tile), ground.detail(), map, ground.shapes());
+            keep_images(edit_of(stamp, history), prepared, grid.inside(tile), ground.detail(), map, ground.shapes());
             apply_stamp(prepared, ground.mutable_detail(), grid.inside(tile));
         }
         changed.insert(tile);

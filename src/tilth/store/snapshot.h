@@ -20,6 +20,13 @@ struct WaitingStamp {
     std::uint32_t position = 0;  ///< among the stroke's records
 };
 
+/// The edit that it was when it was issued; without its stroke where `history` has forgotten that.
+inline GroundEdit edit_of(const WaitingStamp& stamp, const UndoHistory& history) {
+    return {.record = stamp.record,
+            .stroke = stamp.stroke == 0 ? nullptr : history.find(stamp.stroke),
+            .position = stamp.position};
+}
+
 struct TileSnapshot {
     TileIndex tile;
     bool has_codes = false;             ///< `pages` are all of it; else the store has its codes already
