@@ -1,4 +1,4 @@
-// Runs the real tilth-sandbox and catches what it says.
+// Runs a real program and catches what it says.
 #pragma once
 
 #include <sys/wait.h>
@@ -12,12 +12,13 @@ namespace tilth::test {
 struct Ran {
     int status = -1;     ///< exit status; -1 if it died by a signal
     std::string output;  ///< stdout and stderr
+    [[nodiscard]] bool says(const std::string& what) const { return output.find(what) != std::string::npos; }
 };
 
 /// `arguments` as the shell reads them.
-inline Ran run_sandbox_program(const std::string& arguments) {
+inline Ran run_program(const std::string& program, const std::string& arguments) {
     Ran ran;
-    std::FILE* pipe = popen(("'" TILTH_SANDBOX_PROGRAM "' " + arguments + " 2>&1 </dev/null").c_str(), "r");
+    std::FILE* pipe = popen(("'" + program + "' " + arguments + " 2>&1 </dev/null").c_str(), "r");
     if (pipe == nullptr) return ran;
     std::array<char, 4096> part{};
     for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) ran.output.append(part.data(), n);
@@ -25,5 +26,7 @@ inline Ran run_sandbox_program(const std::string& arguments) {
     if (WIFEXITED(status)) ran.status = WEXITSTATUS(status);
     return ran;
 }
+
+inline Ran run_sandbox_program(const std::string& arguments) { return run_program(TILTH_SANDBOX_PROGRAM, arguments); }
 
 }  // namespace tilth::test

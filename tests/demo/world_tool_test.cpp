@@ -1,14 +1,11 @@
 // tilth-world, as a shell runs it.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "demo/run_program.h"
 #include "io/scratch_folder.h"
 #include "store/edit_script.h"
 #include "tilth/core/hash.h"
@@ -18,22 +15,9 @@
 namespace tilth {
 namespace {
 
-struct Ran {
-    int status = -1;
-    std::string output;
-    [[nodiscard]] bool says(const std::string& what) const { return output.find(what) != std::string::npos; }
-};
+using test::Ran;
 
-Ran run_tool(const std::string& arguments) {
-    Ran ran;
-    std::FILE* pipe = popen(("'" TILTH_WORLD_PROGRAM "' " + arguments + " 2>&1 </dev/null").c_str(), "r");
-    if (pipe == nullptr) return ran;
-    std::array<char, 4096> part{};
-    for (std::size_t n = 0; (n = std::fread(part.data(), 1, part.size(), pipe)) > 0;) ran.output.append(part.data(), n);
-    const int status = pclose(pipe);
-    if (WIFEXITED(status)) ran.status = WEXITSTATUS(status);
-    return ran;
-}
+Ran run_tool(const std::string& arguments) { return test::run_program(TILTH_WORLD_PROGRAM, arguments); }
 
 class WorldTool : public testing::Test {
 protected:

@@ -150,4 +150,11 @@ inline bool advance(SavedGround& world, EditScript& script, std::uint64_t edits)
     return true;
 }
 
+/// The messages, a line each.
+inline std::string joined(const std::vector<Error>& errors) {
+    std::string all;
+    for (const Error& error : errors) all += error.message + "\n";
+    return all;
+}
+
 }  // namespace tilth::test

@@ -18,17 +18,12 @@ namespace {
 
 using test::EditScript;
 using test::FaultFiles;
+using test::joined;
 using test::ReferenceWorld;
 using test::ScratchFolder;
 using test::ScriptWorld;
 
 constexpr FlushPolicy kManual{.when = FlushPolicy::When::Manual};
-
-std::string joined(const std::vector<Error>& errors) {
-    std::string all;
-    for (const Error& error : errors) all += error.message + "\n";
-    return all;
-}
 
 /// A script's world and its reference, opened and closed together.
 class BothWorlds {

@@ -18,6 +18,7 @@ namespace {
 
 using test::EditScript;
 using test::FaultFiles;
+using test::joined;
 using test::ReferenceWorld;
 using test::ScriptWorld;
 
@@ -30,12 +31,6 @@ constexpr std::uint64_t kDamages = 1250;
 constexpr std::uint64_t kSeed = 21, kEdits = 60;
 
 constexpr ScriptWorld kWorld{.heights = "hill:size=65,peak=12,sigma=15"};
-
-std::string joined(const std::vector<Error>& errors) {
-    std::string all;
-    for (const Error& error : errors) all += error.message + "\n";
-    return all;
-}
 
 /// Three commits, and a tail of edits behind them.
 void make_world(FaultFiles& disk, std::uint64_t keep_journal_bytes) {

@@ -24,17 +24,12 @@ namespace {
 
 using test::EditScript;
 using test::FaultFiles;
+using test::joined;
 using test::MemoryBlobs;
 using test::ReferenceWorld;
 using test::ScriptWorld;
 
 constexpr FlushPolicy kManual{.when = FlushPolicy::When::Manual};
-
-std::string joined(const std::vector<Error>& errors) {
-    std::string all;
-    for (const Error& error : errors) all += error.message + "\n";
-    return all;
-}
 
 /// Another file system, but for reads of which `is_bad` says so: they fail (FileRead). Threads: one at a time.
 class BadReads final : public FileSystem {
