@@ -16,16 +16,16 @@ if(TILTH_SANITIZE)
     target_link_options(tilth_flags INTERFACE -fsanitize=${TILTH_SANITIZE})
 endif()
 
-# tilth_layer(NAME [USES LAYER...]): the object target tilth_layer_NAME from src/tilth/NAME/*.cpp.
+# tilth_layer(NAME [USES LAYER...]): the object target tilth_layer_NAME from src/tilth/NAME, with its folders.
 # "terrain" is the facade: the files that lie directly in src/tilth.
 function(tilth_layer name)
     cmake_parse_arguments(ARG "" "" "USES" ${ARGN})
     if(name STREQUAL "terrain")
-        set(folder src/tilth)
+        set(files "${PROJECT_SOURCE_DIR}/src/tilth/*.cpp")
     else()
-        set(folder src/tilth/${name})
+        set(files "${PROJECT_SOURCE_DIR}/src/tilth/${name}/*.cpp" "${PROJECT_SOURCE_DIR}/src/tilth/${name}/*/*.cpp")
     endif()
-    file(GLOB sources CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/${folder}/*.cpp")
+    file(GLOB sources CONFIGURE_DEPENDS RELATIVE "${PROJECT_SOURCE_DIR}" ${files})
     list(TRANSFORM sources PREPEND "${PROJECT_SOURCE_DIR}/")
     if(NOT sources)  # a layer of headers alone
         set(sources "${PROJECT_BINARY_DIR}/empty.cpp")

@@ -53,13 +53,6 @@ std::string check_size(std::string& value) {
                           : "'" + value + "' is not a size; allowed: WIDTHxHEIGHT, each from 1 to 16384";
 }
 
-std::string check_backend(std::string& value) {
-    if (value == "none") return {};
-    const bool known = std::find(kBackendNames.begin(), kBackendNames.end(), value) != kBackendNames.end();
-    return "'" + value +
-           (known ? "': this build does not have this backend yet; allowed: none" : "' is not known; allowed: none");
-}
-
 }  // namespace
 
 ParsedArguments parse_arguments(int argc, const char* const* argv) {
@@ -71,8 +64,7 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
     app.add_option("--scenario", a.scenario, "what to play (TOML)");
     app.add_option("--heights", a.heights, "of the default world: a file, or ridged:..., flat:..., hill:...");
     app.add_option("--size", size, "of the picture, pixels")->check(CLI::Validator(check_size, "WIDTHxHEIGHT"));
-    app.add_option("--backend", a.backend, "how fine detail is shown")
-        ->check(CLI::Validator(check_backend, joined(kBackendNames)));
+    app.add_option("--backend", a.backend, "how fine detail is shown")->check(one_of_these(kBackendNames));
     app.add_option("--preset", a.preset, "quality")->check(one_of_these(kPresetNames));
     app.add_option("--executor", a.executor, "who computes stamps")->check(one_of_these(kExecutorNames));
     app.add_option("--context", a.context, "where GL comes from without a window")->check(one_of_these(kContextNames));
@@ -103,12 +95,17 @@ ParsedArguments parse_arguments(int argc, const char* const* argv) {
 
 void override_scenario(const Arguments& arguments, Scenario& scenario) {
     if (arguments.size) scenario.view.width = (*arguments.size)[0], scenario.view.height = (*arguments.size)[1];
-    if (arguments.backend) scenario.view.backend = *arguments.backend;
-    if (arguments.preset) scenario.view.preset = *arguments.preset;
     const auto index = [](const std::vector<std::string>& names, const std::string& name) {
         return std::find(names.begin(), names.end(), name) - names.begin();
     };
     TerrainSettings& settings = scenario.terrain.settings;
+    ShownDetail& shown = scenario.view.shown;
+    if (arguments.backend) {
+        shown.backend = static_cast<DetailBackend>(index(kBackendNames, *arguments.backend));
+        scenario.terrain.lines.erase("backend");  // what is wrong with it is not the file's
+    }
+    if (arguments.preset) shown.preset = static_cast<DetailPreset>(index(kPresetNames, *arguments.preset));
+    settings.detail = settings_of(shown);
     if (arguments.executor) settings.executor = static_cast<ExecutorKind>(index(kExecutorNames, *arguments.executor));
     if (arguments.precision)
         settings.ground.precision =
@@ -116,7 +113,7 @@ void override_scenario(const Arguments& arguments, Scenario& scenario) {
     settings.shader_folder = arguments.shaders;
     if (!arguments.store.empty()) {
         settings.world.folder = without_last_slash(arguments.store);
-        scenario.terrain.lines.erase("store");  // what is wrong with it is not the file's
+        scenario.terrain.lines.erase("store");  // as above
     }
 }
 

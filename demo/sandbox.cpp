@@ -109,8 +109,8 @@ int run_sandbox(const Arguments& arguments) {
     bool good = player.play();
     if (!arguments.stats.empty()) good = write_stats(arguments.stats, player.report(true)) && good;
     if (!arguments.headless && session.world->is_open()) {
-        const WindowSettings window{scenario.view,    low_m,           high_m, player.viewer(), arguments.out,
-                                    arguments.frames, arguments.script};
+        const WindowSettings window{scenario.view,  low_m,         high_m,           player.viewer(),
+                                    player.shown(), arguments.out, arguments.frames, arguments.script};
         if (const auto run = run_window(session.route->window(), session.world->terrain(), window); !run) {
             std::cerr << run.error().message << std::endl;
             good = false;

@@ -38,6 +38,7 @@ double timed_ms(gl::GpuTimer& timer, const std::function<void()>& work) {
 gl::Device& device() { return *shared().device; }
 gl::GetProc get_proc() { return shared().context.get_proc(); }
 gl::ShaderLibrary& shaders() { return *shared().shaders; }
+void make_current() { check(shared().context.make_current()); }
 
 Percentiles percentiles_of(std::vector<double> samples) {
     if (samples.empty()) return {};

@@ -38,6 +38,8 @@ inline void check(const Result<void>& result) {
 gl::Device& device();
 gl::GetProc get_proc();
 gl::ShaderLibrary& shaders();
+/// Where something else had a context of its own.
+void make_current();
 
 /// Median and percentiles of a list of samples, milliseconds.
 struct Percentiles {

@@ -61,6 +61,7 @@ Player::Player(WorldSession& world, const Scenario& scenario, Screen* screen, Pl
       settings_(std::move(settings)),
       errors_(errors),
       shading_(shading_of(scenario.view, settings_.low_m, settings_.high_m)),
+      shown_(scenario.view.shown),
       viewer_(viewer_at_centre(world.terrain().ground())) {}
 
 bool Player::play() {
@@ -287,6 +288,15 @@ Player::Outcome Player::run(const WaitStep& step) {
     for (std::int64_t frame = 0; frame < plan.frames; ++frame)
         if (Outcome wrong = timed_frame(plan.dt(frame)); wrong && !failed) failed = wrong;
     return failed;
+}
+
+Player::Outcome Player::run(const ShowStep& step) {
+    const ShownDetail next{.backend = step.backend.value_or(shown_.backend),
+                           .preset = step.preset.value_or(shown_.preset),
+                           .debug = step.debug.value_or(shown_.debug)};
+    if (const auto set = terrain().set_detail(settings_of(next)); !set) return "show: " + set.error().message;
+    shown_ = next;
+    return {};
 }
 
 Player::Outcome Player::needs_a_folder(const char* step) const {

@@ -42,6 +42,7 @@ public:
     bool play();
 
     [[nodiscard]] const Viewer& viewer() const { return viewer_; }
+    [[nodiscard]] const ShownDetail& shown() const { return shown_; }
     /// Statistics as of now. `with_hash` costs a pass over all codes, and drains.
     [[nodiscard]] RunReport report(bool with_hash);
 
@@ -56,6 +57,7 @@ private:
     Outcome run(const TeleportStep& step);
     Outcome run(const ViewersStep& step);
     Outcome run(const WaitStep& step);
+    Outcome run(const ShowStep& step);
     Outcome run(const SaveStep& step);
     Outcome run(const ReopenStep& step);
     Outcome run(const CrashStep& step);
@@ -101,6 +103,7 @@ private:
     PlayerSettings settings_;
     std::ostream& errors_;
     Shading shading_;
+    ShownDetail shown_;
     Viewer viewer_;
     std::vector<WorldPos> further_viewers_;
     std::int64_t queued_ = 0;          ///< stamps since the last frame or drain

@@ -14,6 +14,7 @@ inline const std::vector<std::string> kSelectNames{"sum", "coarse", "detail"};
 inline const std::vector<std::string> kRuleNames{"add", "min", "max", "set", "smooth"};
 inline const std::vector<std::string> kBackendNames{"none", "parallax", "geometry", "tessellation", "hybrid"};
 inline const std::vector<std::string> kPresetNames{"low", "medium", "high", "exact"};
+inline const std::vector<std::string> kDebugNames{"off", "wireframe", "level", "tile", "backend", "fetches", "error"};
 inline const std::vector<std::string> kContextNames{"egl", "osmesa", "glfw"};
 inline const std::vector<std::string> kDumpNames{"height", "code", "slope"};
 inline const std::vector<std::string> kDumpEndings{".csv", ".exr", ".tif", ".r16", ".r32f"};

@@ -9,7 +9,8 @@
 namespace tilth::demo {
 
 void read_terrain(TableReader& reader, const std::filesystem::path& folder, TerrainPart& terrain);
-void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap);
+/// The look, and of `terrain` how it is drawn.
+void read_view(TableReader& reader, ViewPart& view, TerrainPart& terrain);
 
 /// What steps are checked against.
 struct StepRules {

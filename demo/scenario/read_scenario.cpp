@@ -50,7 +50,7 @@ Scenario read_root(const toml::table& table, const std::filesystem::path& file, 
     }
     if (const toml::table* view = root.table("view", "a table [view]")) {
         TableReader reader(*view, "[view]", root.line_of("view"), problems);
-        read_view(reader, scenario.view, scenario.terrain.settings.clipmap);
+        read_view(reader, scenario.view, scenario.terrain);
     }
     root.known("step");
     read_steps(root, table, context, scenario, problems);

@@ -10,7 +10,7 @@ namespace {
 
 const std::vector<std::string> kStepKeys{"camera", "walk",   "stamp",  "path",     "random",  "wait", "screenshot",
                                          "dump",   "query",  "expect", "teleport", "viewers", "wave", "shock",
-                                         "save",   "reopen", "crash",  "undo",     "redo"};
+                                         "save",   "reopen", "crash",  "undo",     "redo",    "show"};
 
 /// Viewers beside the camera's own: each asks for up to nine tiles.
 constexpr std::size_t kMostViewers = 64;
@@ -206,6 +206,17 @@ QueryStep read_query(TableReader& reader, const StepRules& rules) {
     return step;
 }
 
+ShowStep read_show(TableReader& reader) {
+    ShowStep step;
+    if (const auto backend = reader.choice("backend", kBackendNames))
+        step.backend = static_cast<DetailBackend>(*backend);
+    if (const auto preset = reader.choice("preset", kPresetNames)) step.preset = static_cast<DetailPreset>(*preset);
+    if (const auto debug = reader.choice("debug", kDebugNames)) step.debug = static_cast<DebugView>(*debug);
+    if (!reader.has("backend") && !reader.has("preset") && !reader.has("debug"))
+        reader.problems().add(reader.line(), "show", "says nothing; allowed: one or more of backend, preset and debug");
+    return step;
+}
+
 std::optional<std::string> read_hash(TableReader& reader, const char* key) {
     const char* const allowed = "16 lower-case hexadecimal digits in quotes";
     const auto hash = reader.string(key, allowed);
@@ -354,6 +365,7 @@ std::optional<Step> read_step(const toml::table& table, int number, int line, co
     if (*key == "random") step.action = read_random(reader, rules);
     if (*key == "walk") step.action = read_walk(reader, rules);
     if (*key == "wait") step.action = read_wait(reader, *inner);
+    if (*key == "show") step.action = read_show(reader);
     if (*key == "dump") step.action = read_dump(reader, rules);
     if (*key == "query") step.action = read_query(reader, rules);
     if (*key == "expect") step.action = read_expect(reader, *inner, rules.context);

@@ -128,7 +128,8 @@ void read_terrain(TableReader& reader, const std::filesystem::path& folder, Terr
     reader.finish();
 }
 
-void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
+void read_view(TableReader& reader, ViewPart& view, TerrainPart& terrain) {
+    ClipmapSettings& clipmap = terrain.settings.clipmap;
     if (const auto size = reader.numbers("size", 2, 2, {1, double(kMaxPictureSide), false, "pixels from 1 to 16384"})) {
         if ((*size)[0] != std::floor((*size)[0]) || (*size)[1] != std::floor((*size)[1]))
             reader.wrong("size", "is not whole; allowed: [width, height], integers from 1 to 16384");
@@ -137,11 +138,12 @@ void read_view(TableReader& reader, ViewPart& view, ClipmapSettings& clipmap) {
     }
     view.fov_degrees = reader.number("fov", {0.1, 175, false, "degrees from 0.1 to 175"}).value_or(view.fov_degrees);
     if (const auto backend = reader.choice("backend", kBackendNames)) {
-        view.backend = kBackendNames[*backend];
-        if (*backend != 0)
-            reader.wrong("backend", text("this build does not have '", view.backend, "' yet; allowed: none"));
+        view.shown.backend = static_cast<DetailBackend>(*backend);
+        terrain.lines["backend"] = reader.line_of("backend");
     }
-    if (const auto preset = reader.choice("preset", kPresetNames)) view.preset = kPresetNames[*preset];
+    if (const auto preset = reader.choice("preset", kPresetNames))
+        view.shown.preset = static_cast<DetailPreset>(*preset);
+    terrain.settings.detail = settings_of(view.shown);
     if (const auto c = reader.numbers("clear", 3, 3, {0, 1, false, "linear red, green, blue from 0 to 1"}))
         view.clear = {float((*c)[0]), float((*c)[1]), float((*c)[2])};
     view.fog_per_m = reader.number("fog", {0, 10, false, "a density per metre from 0 to 10"}).value_or(0.0);

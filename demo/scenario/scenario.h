@@ -11,6 +11,7 @@
 #include <variant>
 #include <vector>
 
+#include "demo/scenario/shown_detail.h"
 #include "tilth/core/vec.h"
 #include "tilth/ground/ground.h"
 #include "tilth/ground/stamp.h"
@@ -31,11 +32,10 @@ struct ViewPart {
     std::int32_t width = 1600, height = 900;  ///< pixels
     double fov_degrees = 60;                  ///< vertical
     Vec3f clear{0.6f, 0.6f, 0.6f};            ///< background, linear RGB
-    std::string backend = "none";
-    std::string preset = "medium";
-    double fog_per_m = 0;                    ///< density of exp(-(density d)^2); the fog has the clear colour
-    std::optional<Vec3d> to_light;           ///< direction towards the light; absent: `Shading`'s
-    std::optional<double> ambient, diffuse;  ///< factors on the ground's colour; absent: `Shading`'s
+    ShownDetail shown;                        ///< at first; `TerrainSettings::detail` says the same
+    double fog_per_m = 0;                     ///< density of exp(-(density d)^2); the fog has the clear colour
+    std::optional<Vec3d> to_light;            ///< direction towards the light; absent: `Shading`'s
+    std::optional<double> ambient, diffuse;   ///< factors on the ground's colour; absent: `Shading`'s
     std::optional<std::array<double, 2>>
         tint_m;  ///< heights between which low turns to high; absent: the source's range
 };
@@ -96,6 +96,13 @@ struct ScreenshotStep {
     bool overlay = false;          ///< with the residency map in the picture's corner
 };
 
+/// How fine detail is shown from now on; what is absent stays.
+struct ShowStep {
+    std::optional<DetailBackend> backend;
+    std::optional<DetailPreset> preset;
+    std::optional<DebugView> debug;
+};
+
 /// The world on disk: `save` puts everything into its pages; `reopen` ends the world and opens it again; `crash` does
 /// so without closing it first.
 struct SaveStep {};
@@ -142,8 +149,8 @@ struct ExpectStep {
 struct Step {
     int number = 0;  ///< from 1
     int line = 0;    ///< in the file
-    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, ViewersStep, WaitStep, SaveStep,
-                 ReopenStep, CrashStep, UndoStep, RedoStep, ScreenshotStep, DumpStep, QueryStep, ExpectStep>
+    std::variant<CameraStep, StampStep, PathStep, RandomStep, WalkStep, TeleportStep, ViewersStep, WaitStep, ShowStep,
+                 SaveStep, ReopenStep, CrashStep, UndoStep, RedoStep, ScreenshotStep, DumpStep, QueryStep, ExpectStep>
         action;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "demo/scenario/names.h"
+
 namespace tilth::demo {
 
 namespace {
@@ -62,6 +64,26 @@ Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_
     return brush;
 }
 
+ShownDetail changed(ShownDetail shown, const Input& input) {
+    const bool back = input.held.contains(Key::Shift);
+    const auto next = [back](auto value, const std::vector<std::string>& names) {
+        const std::size_t step = back ? names.size() - 1 : 1;
+        return static_cast<decltype(value)>((static_cast<std::size_t>(value) + step) % names.size());
+    };
+    for (const Key key : input.pressed) {
+        if (key == Key::F3) shown.backend = next(shown.backend, kBackendNames);
+        if (key == Key::F4) shown.preset = next(shown.preset, kPresetNames);
+        if (key == Key::F6) shown.debug = next(shown.debug, kDebugNames);
+    }
+    return shown;
+}
+
+std::string title_of(const ShownDetail& shown) {
+    std::string title = std::string(name_of(shown.backend)) + " " + std::string(name_of(shown.preset));
+    if (shown.debug != DebugView::Off) title += ", shows " + kDebugNames[static_cast<std::size_t>(shown.debug)];
+    return title;
+}
+
 StampRequest stamp_of(const Brush& brush, WorldPos centre, double ground_m, double coarse_from_m) {
     const bool coarse = brush.radius_m >= coarse_from_m;
     StampRequest request{.shape = {},
@@ -89,6 +111,8 @@ std::string help_text() {
            "corner)\n"
            "F2 residency map: yellow loading, orange uploading, green resident, framed drawn, red dot dirty, violet "
            "saving\n"
+           "F3 backend that shows fine detail, F4 its preset, F6 debug view (wireframe, level, tile, backend, fetches, "
+           "error): the next, with Shift the one before\n"
            "Ctrl+Z takes the last stroke back, Ctrl+Y does it again; a drag is one stroke, and so is a walk\n"
            "F5 saves (with --store DIR every stroke is kept in any case)\n"
            "F12 screenshot, F1 this help, Esc leaves\n";

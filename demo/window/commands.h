@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "demo/scenario/shown_detail.h"
 #include "tilth/core/vec.h"
 #include "tilth/ground/stamp.h"
 
@@ -39,7 +40,10 @@ enum class Key {
     Z,
     F1,
     F2,
+    F3,
+    F4,
     F5,
+    F6,
     F12,
     Escape,  // pressed
 };
@@ -82,6 +86,12 @@ Commands commands_of(const Input& input, double speed_m_per_s);
 
 /// The brush after the frame's input. Radius by a tenth a notch within `least_radius_m`..`most_radius_m`.
 Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_radius_m, double most_radius_m);
+
+/// How detail is shown after the frame's input: each key takes the next of its kind, with Shift the one before.
+ShownDetail changed(ShownDetail shown, const Input& input);
+
+/// "hybrid high", and the debug view if there is one: "hybrid high, shows fetches".
+std::string title_of(const ShownDetail& shown);
 
 /// The stamp that a brush leaves where the ground was `ground_m` high under the cursor: `min` and `max` cut or fill to
 /// a level, `set` makes it flat, `smooth` takes half the bumps away. Brushes of less than `coarse_from_m` radius work

@@ -57,6 +57,12 @@ Input scripted_input(long frame) {
         case 18:
             input.pressed = {Key::F5};
             break;
+        case 19:
+            input.pressed = {Key::F3, Key::F4};
+            break;
+        case 20:
+            input.pressed = {Key::F6};
+            break;
         default:
             break;
     }

@@ -57,7 +57,10 @@ constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
                                          {GLFW_KEY_Z, Key::Z},
                                          {GLFW_KEY_F1, Key::F1},
                                          {GLFW_KEY_F2, Key::F2},
+                                         {GLFW_KEY_F3, Key::F3},
+                                         {GLFW_KEY_F4, Key::F4},
                                          {GLFW_KEY_F5, Key::F5},
+                                         {GLFW_KEY_F6, Key::F6},
                                          {GLFW_KEY_F12, Key::F12},
                                          {GLFW_KEY_ESCAPE, Key::Escape}};
 
@@ -127,7 +130,9 @@ public:
           settings_(settings),
           device_(std::move(device)),
           poller_(window),
-          camera_(FlyCamera::looking(settings.start.eye, settings.start.forward)) {
+          camera_(FlyCamera::looking(settings.start.eye, settings.start.forward)),
+          asked_(settings.shown),
+          shows_(settings.shown) {
         const double spacing_m = terrain.ground().settings().spacing_m;
         // Smaller than two posts, the coarse map cannot show a stamp.
         coarse_from_m_ = terrain.ground().settings().detail ? 2 * spacing_m : 0;
@@ -156,6 +161,7 @@ private:
         glfwGetFramebufferSize(window_, &width_, &height_);
         if (commands.walk) toggle_walk();
         if (commands.overlay) shows_map_ = !shows_map_;
+        show(changed(asked_, input));
         move(commands);
         aim();
         if (commands.teleport) teleport();
@@ -201,6 +207,16 @@ private:
     [[nodiscard]] double ground_m(WorldPos at) const { return terrain_.ground().height_m(at); }
 
     [[nodiscard]] WorldPos place() const { return {camera_.eye.x, camera_.eye.z}; }
+
+    /// What the context cannot do is told, and passed over: the key goes on to the next.
+    void show(const ShownDetail& wanted) {
+        if (wanted == asked_) return;
+        if (const auto set = terrain_.set_detail(settings_of(wanted)); !set)
+            std::cerr << set.error().message << std::endl;
+        else
+            shows_ = wanted;
+        asked_ = wanted;
+    }
 
     void toggle_walk() {
         const auto boot = terrain_.shapes().find("boot");
@@ -329,18 +345,18 @@ private:
         const std::vector<TileReport> tiles = terrain_.tiles();
         const auto resident = std::count_if(tiles.begin(), tiles.end(),
                                             [](const TileReport& tile) { return tile.state == TileState::Resident; });
-        char line[400];
+        char line[500];
         std::snprintf(
             line, sizeof line,
             "tilth  %.1f ms  %llu k triangles  %llu deform passes  %lld of %zu tiles resident, %llu loaded  |  "
-            "%s%s %s %s, radius %.1f m  |  %s",
+            "%s%s %s %s, radius %.1f m  |  %s  |  %s",
             smooth_dt_s_ * 1e3, static_cast<unsigned long long>(stats.render.primitives / 1000),
             static_cast<unsigned long long>(stats.deform.passes), static_cast<long long>(resident), tiles.size(),
             static_cast<unsigned long long>(terrain_.total().cache.loads), walks_ ? "on foot, " : "",
             terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(), rule_name(brush_.rule),
-            brush_.digs ? "down" : "up", brush_.radius_m,
+            brush_.digs ? "down" : "up", brush_.radius_m, title_of(shows_).c_str(),
             shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
-                          "sign, R rule, G walk, T teleport, Ctrl+Z undo, F2 map, F12 picture, Esc"
+                          "sign, R rule, G walk, T teleport, Ctrl+Z undo, F2 map, F3 F4 F6 detail, F12 picture, Esc"
                         : "F1 help");
         glfwSetWindowTitle(window_, line);
     }
@@ -361,7 +377,8 @@ private:
     BootSize boots_;
     ShapeId boot_;
     bool walks_ = false, shows_map_ = false;
-    bool draws_ = false;  ///< the button was down in the frame before
+    ShownDetail asked_, shows_;  ///< asked for; what is shown
+    bool draws_ = false;         ///< the button was down in the frame before
     double pixel_x_ = 0, pixel_y_ = 0, smooth_dt_s_ = 0;
     int width_ = 0, height_ = 0, screenshots_ = 0;
     bool shows_help_ = false;

@@ -16,6 +16,7 @@ struct WindowSettings {
     ViewPart view;
     double low_m = 0, high_m = 100;  ///< range of the original heights, for the tint
     Viewer start;
+    ShownDetail shown;                ///< as the world shows it
     std::filesystem::path out = ".";  ///< where F12 writes screenshot-N.png
     long frames = 0;                  ///< leave after so many; 0: when the user does
     bool script = false;              ///< feeds `scripted_input` in place of keys and mouse

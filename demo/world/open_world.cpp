@@ -37,6 +37,7 @@ std::string note_of(const std::string& heights) {
 std::string key_in(const std::string& message, const TerrainPart& terrain) {
     const std::string& folder = terrain.settings.world.folder;
     if (!folder.empty() && message.starts_with(folder)) return terrain.lines.contains("store") ? "store" : "--store";
+    if (message.starts_with("detail.backend")) return terrain.lines.contains("backend") ? "backend" : "--backend";
     for (const Renamed& renamed : kRenamed)
         if (terrain.lines.contains(renamed.key) && message.find(renamed.member) != std::string::npos)
             return renamed.key;

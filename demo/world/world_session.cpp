@@ -40,6 +40,7 @@ Result<void> WorldSession::open_again() {
     before_ = total();
     debug_messages_ = take_debug_messages();
     place_.terrain.settings.executor = terrain_->executor();
+    place_.terrain.settings.detail = terrain_->detail();
     terrain_.reset();  // gives the lock back
     Problems problems;
     terrain_ = open_world(place_.terrain, place_.heights, place_.stamp_folder, place_.get_proc, problems);

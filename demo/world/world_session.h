@@ -37,7 +37,7 @@ public:
     [[nodiscard]] bool is_on_disk() const { return !place_.terrain.settings.world.folder.empty(); }
 
     /// Flushes, closes and opens again. What cannot be flushed stays open, and is the error. The executor stays the one
-    /// that was measured.
+    /// that was measured, and detail is shown as it was.
     Result<void> reopen();
     /// The same as after a crash: what is not durable is gone.
     Result<void> crash();

@@ -1,6 +1,7 @@
 // render/detail_slopes.glsl: slopes of the fine detail about the eye, to be added to those of the coarse map.
 //   reads   u_detail     RG8 companded or (SLOPES_RG16F) RG16F   dh/dx, dh/dz of the detail height alone; texel (i, j) of
 //                        a tile's texture lies u_detail_apron texels before the tile's own texel (i, j)
+//   RELIEF: u_relief_slopes holds the same about the eye without borders (pool/relief_window.h) and is read instead
 //   DETAIL_WINDOW: ground on the border of tiles; u_detail is the tile at the window's low corner, the others follow
 //                  along +x, +z and both; each tap chooses its tile, and what lies beyond the window adds nothing
 // Positions are texels from the first interior texel of the tile (of the window); a whole number is a texel's centre.
@@ -13,8 +14,13 @@
 #define TILTH_RENDER_DETAIL_SLOPES
 #include "shared/slope_math.glsl"
 
+#ifdef RELIEF
+uniform sampler2D u_relief_slopes;
+uniform float u_relief_slopes_size;  // texels a side
+#else
 uniform sampler2D u_detail;
-uniform vec2 u_detail_base_texels;  // the base post
+#endif
+uniform vec2 u_detail_base_texels;  // the base post; RELIEF: in window texels
 uniform float u_detail_texels_per_m;
 uniform float u_detail_apron, u_detail_stored_size;
 uniform vec4 u_detail_map_edge;     // first texel of the map x, z; last texel x, z
@@ -50,6 +56,11 @@ struct Footprint {
 
 // The slope (companded) at one tap, if it lies in the texels from `low` to below `high` of the tile whose first interior
 // texel is `low`. textureLod: derivatives do not exist in a branch.
+#ifdef RELIEF
+vec2 relief_tap(vec2 texels) {
+    return signed_slope(textureLod(u_relief_slopes, (texels + 0.5) / u_relief_slopes_size, 0.0).rg);
+}
+#else
 vec2 tap(sampler2D tile, vec2 low, vec2 high, vec2 texels) {
     texels = clamp(texels, u_detail_map_edge.xy, u_detail_map_edge.zw);
     vec2 slope = signed_slope(textureLod(tile, (texels - low + (u_detail_apron + 0.5)) / u_detail_stored_size, 0.0).rg);
@@ -60,6 +71,7 @@ vec2 tap(sampler2D tile, vec2 low, vec2 high, vec2 texels) {
     return slope;
 #endif
 }
+#endif
 
 #ifdef DETAIL_WINDOW
 // The sum of the taps that lie in the tile at (x, z) of the window. A loop of no turn in the place of an `if`, where the
@@ -97,7 +109,10 @@ vec2 detail_slope(vec2 ground_m, vec2 dx_m, vec2 dy_m, vec2 fraction_m) {
     print.near = spread * (0.125 * dx + 0.375 * dy);
     print.far = spread * (0.375 * dx - 0.125 * dy);
     print.at = (ground_m + fraction_m) * u_detail_texels_per_m + u_detail_base_texels;
-#ifdef DETAIL_WINDOW
+#if defined(RELIEF)
+    vec2 companded = 0.25 * (relief_tap(print.at + print.near) + relief_tap(print.at + print.far) +
+                             relief_tap(print.at - print.near) + relief_tap(print.at - print.far));
+#elif defined(DETAIL_WINDOW)
     print.taps = spread > 0.0 ? 4 : 1;
     vec2 companded = (window_sum(u_detail, 0.0, 0.0, print) + window_sum(u_detail_x, 1.0, 0.0, print) +
                       window_sum(u_detail_z, 0.0, 1.0, print) + window_sum(u_detail_xz, 1.0, 1.0, print)) /

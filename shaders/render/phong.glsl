@@ -8,10 +8,10 @@
 vec3 phong(SurfacePoint p, vec3 albedo) {
     float facing = dot(p.normal, u_to_light);
     float ambient = u_ambient * (0.5 + 0.5 * p.normal.y);
-    vec3 colour = albedo * (ambient + u_diffuse * max(facing, 0.0));
+    vec3 colour = albedo * (ambient + u_diffuse * p.lit * max(facing, 0.0));
     if (facing > 0.0) {
         vec3 mirrored = 2.0 * facing * p.normal - u_to_light;
-        colour += u_specular * pow(max(dot(mirrored, p.to_eye), 0.0), u_specular_exponent);
+        colour += p.lit * u_specular * pow(max(dot(mirrored, p.to_eye), 0.0), u_specular_exponent);
     }
     return colour;
 }

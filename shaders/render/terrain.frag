@@ -1,7 +1,15 @@
 // render/terrain.frag: shades the ground by the slope map, and draws the brush cursor on it.
 //   reads   u_slopes   RG8 companded or (SLOPES_RG16F) RG16F   dh/dx, dh/dz at the posts of the map, see pool/slope_map.h
 //   writes  colour     linear RGB, alpha 1; GL encodes it where the host enabled GL_FRAMEBUFFER_SRGB on an sRGB target
-// Features: SLOPES_RG16F, MIRRORED; DETAIL: fine slopes are added (render/detail_slopes.glsl).
+// Features: SLOPES_RG16F, MIRRORED; DETAIL: fine slopes are added (render/detail_slopes.glsl), RELIEF: from the relief
+// window; PARALLAX: the pixel shows what its ray meets of the relief (render/parallax/parallax.glsl), PARALLAX_DEPTH: with
+// its depth; DEBUG_VIEW: it tells something else than colour (render/debug_view.glsl).
+#ifdef PARALLAX
+#include "render/parallax/parallax.glsl"
+#endif
+#ifdef DEBUG_VIEW
+#include "render/debug_view.glsl"
+#endif
 #include "render/shade.glsl"
 #include "render/terrain_inputs.glsl"
 #include "shared/slope_math.glsl"
@@ -64,17 +72,35 @@ float cursor_cover() {
 }
 
 void main() {
+    vec3 position_m = v_position_m;
     SurfacePoint p;
-    p.from_eye_m = v_position_m;
-    p.distance_m = length(v_position_m);
-    p.to_eye = -v_position_m / max(p.distance_m, 1e-6);
     p.slope = slope_here();
+    p.lit = 1.0;
+#ifdef PARALLAX
+    TracedRelief traced = trace_pixel(position_m, p.slope, u_fraction_m);
+    position_m = traced.position_m;
+    p.lit = traced.lit;
+#ifdef PARALLAX_DEPTH
+    gl_FragDepth = depth_of(position_m);
+#endif
+#endif
+    p.from_eye_m = position_m;
+    p.distance_m = length(position_m);
+    p.to_eye = -position_m / max(p.distance_m, 1e-6);
 #ifdef DETAIL
-    p.slope += detail_slope(v_position_m.xz, dFdx(v_position_m.xz), dFdy(v_position_m.xz), u_fraction_m);
+    // The footprint is that of the coarse surface: where a ray jumps from rim to floor, differences mean nothing.
+    p.slope += detail_slope(position_m.xz, dFdx(v_position_m.xz), dFdy(v_position_m.xz), u_fraction_m);
 #endif
     p.normal = normalize(vec3(-p.slope.x, 1.0, -p.slope.y));
-    p.tint_height = v_position_m.y * u_eye_tint.x + u_eye_tint.y;
+    p.tint_height = position_m.y * u_eye_tint.x + u_eye_tint.y;
     vec3 shaded = shade(p);
     if (u_cursor_m.z > 0.0) shaded = mix(shaded, u_cursor_colour, 0.9 * cursor_cover());
+#ifdef DEBUG_VIEW
+#ifdef PARALLAX
+    shaded = debug_colour(v_position_m, v_level, u_fraction_m, shaded, traced);
+#else
+    shaded = debug_colour(v_position_m, v_level, u_fraction_m, shaded);
+#endif
+#endif
     colour = vec4(shaded, 1.0);
 }

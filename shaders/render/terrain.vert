@@ -1,16 +1,21 @@
 // render/terrain.vert: a vertex of a clipmap block or of a stitch, from the height planes.
 //   reads  u_high_plane, u_low_plane   R16 unorm   height code, texel (i, j) = post (i, j); BITS16: no low plane
 //   gives  metres relative to the eye, the share of the next coarser level, the level
-// Features: BITS16, MIRRORED (the map is repeated by reflection), and at most one of
+// Features: BITS16, MIRRORED (the map is repeated by reflection), and of the first three at most one of
 //   ALL_OWN       blocks in which no vertex morphs and none is refined: one fetch of the planes a vertex
 //   ALL_MORPHING  blocks that are not refined
 //   ALL_REFINED   blocks that are
+//   RELIEF_MESH   the vertex is displaced by fine detail, and a geometry or tessellation stage follows
+//   PHONG         triangles are curved by a tessellation stage that follows (render/phong); not with ALL_REFINED
 // which leave out what their blocks do not need; software GL, and a GPU whose vertices diverge, would pay for it. They
 // give the bits that the general program gives.
 //
 // Every level computes a position by the same expression from the post's integer index, so a vertex that two levels (or
 // a block and a stitch) share is the same to the last bit. Codes and posts are subtracted as integers: nothing large
 // becomes a float near the eye.
+#ifdef RELIEF_MESH
+#include "render/relief_mesh.glsl"
+#endif
 #include "shared/clipmap_morph.glsl"
 #include "shared/height_code.glsl"
 #include "shared/slope_math.glsl"
@@ -36,9 +41,24 @@ uniform samplerBuffer u_node_weights;  // how much of a refinement shows, see cl
 uniform ivec4 u_node_grids[16];        // of each level: first node x, z; nodes a row; index of the first weight
 
 invariant gl_Position;
+#ifdef RELIEF_MESH
+out vec3 r_position_m;        // relative to the eye, displaced; what gl_Position is made from
+out float r_base_m;           // height before that
+out float r_alpha;
+flat out ivec2 r_from_base;   // posts from the base post
+flat out int r_marked;        // 1 where there is detail about the vertex: edges between two such may be split
+#elif defined(PHONG)
+out vec3 p_position_m;  // relative to the eye
+out float p_alpha;
+flat out int p_level;
+out vec2 p_slope;       // of the ground, dh/dx, dh/dz
+out float p_weight;     // how much curvature shows
+#include "render/phong/phong_vertex.glsl"
+#else
 out vec3 v_position_m;  // relative to the eye
 out float v_alpha;
 flat out int v_level;
+#endif
 
 const int kMeshVertices = 33;  // a side: kBlockQuads + 1
 
@@ -115,9 +135,9 @@ void main() {
     vec2 at_m = ground_m(post.x, post.y);
 #if defined(ALL_OWN)
     float height = height_m(post.x, post.y);
-    v_alpha = 0.0;
+    float alpha = 0.0;
 #else
-    v_alpha = alpha_at(level, post.x, post.y);
+    float alpha = alpha_at(level, post.x, post.y);
 #if defined(ALL_MORPHING)
     float height = vertex_m(level, post.x, post.y);
 #elif defined(ALL_REFINED)
@@ -126,7 +146,25 @@ void main() {
     float height = block_levels.x == level ? vertex_m(level, post.x, post.y) : refined_m(level, post.x, post.y);
 #endif
 #endif
-    v_position_m = vec3(at_m.x, height, at_m.y);
+    vec3 position_m = vec3(at_m.x, height, at_m.y);
+#ifdef RELIEF_MESH
+    r_from_base = post - u_base_post;
+    r_marked = relief_is_near(r_from_base, position_m) ? 1 : 0;
+    r_base_m = height;
+    r_alpha = alpha;
+    // Unmarked posts stay what they are in blocks without relief, to the bit: there is no detail at them.
+    if (r_marked != 0) position_m = displaced_m(position_m, relief_point_m(r_from_base, 1));
+    r_position_m = position_m;
+#elif defined(PHONG)
+    p_position_m = position_m;
+    p_alpha = alpha;
+    p_level = level;
+    p_slope = phong_slope(level, post.x, post.y, alpha);
+    p_weight = phong_weight(level, post.x, post.y, distance_units(level, at_m));
+#else
+    v_position_m = position_m;
+    v_alpha = alpha;
     v_level = level;
-    gl_Position = u_clip_from_relative * vec4(v_position_m, 1.0);
+#endif
+    gl_Position = u_clip_from_relative * vec4(position_m, 1.0);
 }

@@ -9,6 +9,7 @@ struct SurfacePoint {
     vec3 to_eye;       // unit
     vec3 normal;       // unit, from the slope
     vec2 slope;        // dh/dx, dh/dz, metres per metre: of the coarse map and of fine detail near the eye
+    float lit;         // share of the direct light that reaches it: below 1 in the shadow of fine detail
     float tint_height; // height in u_tint_low_m .. u_tint_high_m as 0 .. 1, not clamped
 };
 

@@ -7,6 +7,7 @@
 
 #include "tilth/core/clock.h"
 #include "tilth/ground/raycast.h"
+#include "tilth/render/relief_reach.h"
 
 namespace tilth {
 namespace {
@@ -66,7 +67,7 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
                           .slopes = {settings.stencil, map.codec.code_quantum_m(), map.grid.spacing_m},
                           .slot_bytes = 2 * static_cast<std::size_t>(tiles.budget.slice_bytes)});
     if (!textures) return textures.error();
-    std::unique_ptr<DetailStage> made(new DetailStage(ground, settings, std::move(*textures)));
+    std::unique_ptr<DetailStage> made(new DetailStage(device, shaders, ground, settings, std::move(*textures)));
     if (!tiles.store) made->own_store_ = std::make_shared<MemoryStore>();
     Result<std::unique_ptr<TileCache>> cache =
         TileCache::create(ground, grid, tiles.store ? tiles.store : made->own_store_, *made->textures_,
@@ -82,8 +83,16 @@ Result<std::unique_ptr<DetailStage>> DetailStage::create(gl::Device& device, gl:
     return made;
 }
 
-DetailStage::DetailStage(Ground& ground, const TerrainSettings& settings, std::unique_ptr<GpuTiles> textures)
-    : ground_(ground), band_(settings.tiles.band), budget_(settings.tiles.budget), textures_(std::move(textures)) {}
+DetailStage::DetailStage(gl::Device& device, gl::ShaderLibrary& shaders, Ground& ground,
+                         const TerrainSettings& settings, std::unique_ptr<GpuTiles> textures)
+    : device_(device),
+      shaders_(shaders),
+      ground_(ground),
+      slopes_(settings.slopes),
+      clipmap_(settings.clipmap),
+      band_(settings.tiles.band),
+      budget_(settings.tiles.budget),
+      textures_(std::move(textures)) {}
 
 void DetailStage::set_viewers(std::span<const WorldPos> viewers) {
     has_viewers_ = true;
@@ -137,6 +146,31 @@ DetailView DetailStage::view_from(WorldPos eye) const {
                 textures_->slopes_of(tile);
     });
     return view;
+}
+
+Result<DetailView> DetailStage::view_from(WorldPos eye, const DetailSettings& settings, gl::FrameStats& stats) {
+    DetailView view = view_from(eye);
+    view.settings = settings;
+    if (settings.backend == DetailBackend::None) {
+        relief_.reset();
+        return view;
+    }
+    if (view.empty()) return view;
+    if (!relief_) relief_ = std::make_unique<ReliefStage>(device_, shaders_, ground_, *cache_, *textures_, slopes_);
+    const GridSpec& posts = ground_.map(MapKind::Coarse).grid;
+    const std::int32_t size =
+        relief_reach(clipmap_, posts.spacing_m, ground_.settings().texels_per_post, settings.reach).window_texels;
+    Result<ReliefView> relief = relief_->update(eye, size, stats);
+    if (!relief) return relief.error();
+    view.relief = *relief;
+    return view;
+}
+
+Result<void> DetailStage::reload(gl::ShaderLibrary& shaders) {
+    Result<void> result = textures_->reload(shaders);
+    if (relief_)
+        if (Result<void> reloaded = relief_->reload(shaders); !reloaded) result = std::move(reloaded);
+    return result;
 }
 
 // ---- outside frames ----

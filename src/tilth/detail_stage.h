@@ -13,6 +13,7 @@
 #include "tilth/gl/shader_library.h"
 #include "tilth/gpu_tiles.h"
 #include "tilth/ground/ground.h"
+#include "tilth/relief_stage.h"
 #include "tilth/render/detail_view.h"
 #include "tilth/store/memory_store.h"
 #include "tilth/terrain.h"
@@ -39,6 +40,9 @@ public:
     Result<void> apply(std::span<const GroundEdit> edits, gl::FrameStats& stats);
     void transfer(gl::FrameStats& stats);
     [[nodiscard]] DetailView view_from(WorldPos eye) const;
+    /// The same with relief about the eye, as the settings' backend wants it; without a backend the relief window is
+    /// given up. Fails like `ReliefStage::update`.
+    Result<DetailView> view_from(WorldPos eye, const DetailSettings& settings, gl::FrameStats& stats);
 
     // Outside frames: these wait.
     Result<void> settle(gl::FrameStats& stats);
@@ -60,28 +64,35 @@ public:
     };
     [[nodiscard]] std::vector<Ahead> tiles_along(const Vec3d& from, const Vec3d& direction, double max_m) const;
 
-    Result<void> reload(gl::ShaderLibrary& shaders) { return textures_->reload(shaders); }
+    Result<void> reload(gl::ShaderLibrary& shaders);
 
     [[nodiscard]] const TileCache& cache() const { return *cache_; }
     [[nodiscard]] TileCache& cache() { return *cache_; }
     [[nodiscard]] const GpuTiles& textures() const { return *textures_; }
     [[nodiscard]] std::uint64_t tile_bytes() const { return textures_->pool().bytes(); }
+    [[nodiscard]] std::uint64_t relief_bytes() const { return relief_ ? relief_->bytes() : 0; }
     /// Stamps and pages that wait for tiles to arrive, and the terrain's own store.
     [[nodiscard]] std::uint64_t waiting_bytes() const;
 
 private:
     [[nodiscard]] std::vector<TileIndex> tiles_about(WorldPos at) const;
-    DetailStage(Ground& ground, const TerrainSettings& settings, std::unique_ptr<GpuTiles> textures);
+    DetailStage(gl::Device& device, gl::ShaderLibrary& shaders, Ground& ground, const TerrainSettings& settings,
+                std::unique_ptr<GpuTiles> textures);
 
+    gl::Device& device_;
+    gl::ShaderLibrary& shaders_;
     Ground& ground_;
+    SlopeFormat slopes_;
+    ClipmapSettings clipmap_;
     double band_;
     FrameBudget budget_;
     std::unique_ptr<GpuTiles> textures_;
     std::shared_ptr<MemoryStore> own_store_;  ///< where the host gave none
     std::unique_ptr<TileCache> cache_;
-    bool has_viewers_ = false;  ///< the host's own
-    double began_ms_ = -1;      ///< when the last frame began
-    double transfer_ms_ = 0;    ///< of the last frame
+    std::unique_ptr<ReliefStage> relief_;  ///< while a backend shows relief
+    bool has_viewers_ = false;             ///< the host's own
+    double began_ms_ = -1;                 ///< when the last frame began
+    double transfer_ms_ = 0;               ///< of the last frame
 };
 
 }  // namespace tilth

@@ -106,6 +106,7 @@ bool GpuTiles::acquire(TileIndex index) {
     if (*set == nullptr) return false;
     refused_ = false;
     tiles_.emplace(index, Tile{*set, CodeBounds((*set)->planes.held()), std::nullopt});
+    note((*set)->planes.held());
     return true;
 }
 
@@ -113,9 +114,17 @@ void GpuTiles::release(TileIndex index) {
     Tile& given_up = tile(index);
     if (given_up.reading)
         for (const auto& [ticket, slice] : given_up.reading->in_flight) down_->cancel(ticket);
+    note(given_up.set->planes.held());
     tiles_.erase(index);
     pool_.release(index);
 }
+
+void GpuTiles::note_changes(bool on) {
+    notes_changes_ = on;
+    changes_.clear();
+}
+
+std::vector<TexelRect> GpuTiles::take_changes() { return std::exchange(changes_, {}); }
 
 // ---- codes from the CPU ----
 
@@ -123,6 +132,7 @@ bool GpuTiles::fill(TileIndex index, const TexelRect& rect, const DetailField& f
     Tile& filled = tile(index);
     const TexelRect part = intersection(rect, filled.set->planes.held());
     if (part.empty()) return true;
+    note(part);
     SlopePass* const pass = slope_pass();
     if (paging) {
         if (!fill_through_ring(filled, part, field, pass == nullptr)) return false;
@@ -258,6 +268,7 @@ Result<void> GpuTiles::stamp(std::span<const PreparedStamp> stamps, std::span<co
             Tile& stamped = tile(index);
             const TexelRect rect = intersection(stamp.rect(), stamped.set->planes.held());
             if (rect.empty()) continue;
+            note(rect);
             list.back().may_saturate = list.back().may_saturate || may_saturate(index, stamp);
             widen_by(stamp, rect, stamped.bounds);
             if (stamped.reading) stamped.reading->stamped_since = bounds_of(stamped.reading->stamped_since, rect);
@@ -284,6 +295,7 @@ void GpuTiles::exchange(TileIndex from, TileIndex to, const TexelRect& rect) {
     Tile& other = tile(to);
     const TexelRect part = intersection(intersection(rect, owner.set->planes.held()), other.set->planes.held());
     if (part.empty()) return;
+    note(part);
     const std::vector<const gl::Texture2D*> sources = owner.set->planes.targets(), copies = other.set->planes.targets();
     const gl::Rect to_rect = gl_rect(part, other.set->planes.origin());
     const gl::CopyRect copy{gl_rect(part, owner.set->planes.origin()), to_rect.min_x, to_rect.min_y};

@@ -75,6 +75,13 @@ public:
 
     /// For the renderer; nullptr where the tile has no textures.
     [[nodiscard]] const gl::Texture2D* slopes_of(TileIndex tile) const;
+    [[nodiscard]] const TileSet* set_of(TileIndex tile) const { return pool_.find(tile); }
+
+    /// For whoever derives more from the textures: while it is on, texels of the map whose codes may have changed in a
+    /// tile's textures are noted (tiles that got or lost theirs: all of them), and `take_changes` hands them out.
+    void note_changes(bool on);
+    [[nodiscard]] std::vector<TexelRect> take_changes();
+    [[nodiscard]] bool has_deformer() const { return deformer_ != nullptr; }
     /// Codes of `rect`, a part of the tile's stored rectangle, row by row. Waits: tests and dumps.
     [[nodiscard]] std::vector<std::uint32_t> codes(TileIndex tile, const TexelRect& rect) const;
     /// Whether the tile's ground may lie so high or low at `rect` that `stamp` would saturate.
@@ -115,6 +122,9 @@ private:
     /// With `slopes` those that read the part as well, computed from the field.
     bool fill_through_ring(Tile& tile, const TexelRect& part, const DetailField& field, bool slopes);
     void fill_at_once(Tile& tile, const TexelRect& part, const DetailField& field, bool slopes);
+    void note(const TexelRect& rect) {
+        if (notes_changes_) changes_.push_back(rect);
+    }
     void note_codes(Tile& tile, const TexelRect& part, const DetailField& field);
     /// What slopes of `stale` read of the tile.
     [[nodiscard]] TexelRect read_by(const TexelRect& stale, const TileSet& set) const;
@@ -136,6 +146,8 @@ private:
     std::map<TileIndex, Tile> tiles_;
     GatheredCodes gathered_;
     std::vector<std::uint32_t> arrived_;
+    std::vector<TexelRect> changes_;
+    bool notes_changes_ = false;
     bool refused_ = false;  ///< what the driver refused is in the log
     gl::FrameStats unwanted_;
     gl::FrameStats* stats_ = &unwanted_;

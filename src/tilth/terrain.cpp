@@ -35,6 +35,16 @@ struct GpuStages {
     std::unique_ptr<DetailStage> detail;  ///< worlds with a detail map
 };
 
+/// Whether a context has what a way of showing detail takes.
+Result<void> can_show(const gl::Capabilities& capabilities, const DetailSettings& settings) {
+    const bool backend = settings.backend == DetailBackend::Tessellation || settings.backend == DetailBackend::Hybrid;
+    if (capabilities.tessellation || !(backend || settings.phong.on)) return {};
+    return Error{ErrorCode::Unsupported,
+                 text(backend ? text("detail.backend: ", name_of(settings.backend)) : std::string("detail.phong.on"),
+                      " needs hardware tessellation (GL 4.0), which ", capabilities.renderer,
+                      " has not; take geometry or parallax, or leave it out")};
+}
+
 }  // namespace
 
 struct Terrain::Impl {
@@ -119,6 +129,7 @@ Result<void> Terrain::Impl::choose_executor() {
 
 Result<void> Terrain::Impl::create_stages() {
     gl::Device& device = *gpu->device;
+    if (const Result<void> able = can_show(device.capabilities(), settings.detail); !able) return able.error();
     const HeightField& field = ground->coarse();
     const MapGeometry& map = ground->map(MapKind::Coarse);
     Result<std::unique_ptr<CoarseStage>> coarse =
@@ -185,6 +196,7 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
                                                  const TerrainSettings& settings, gl::GetProc get_proc) {
     auto impl = std::make_unique<Impl>();
     impl->settings = settings;
+    if (const Result<void> checked = check_detail(settings.detail); !checked) return checked.error();
     Result<std::unique_ptr<Ground>> ground = Ground::create(std::move(source), settings.ground);
     if (!ground) return ground.error();
     impl->ground = std::move(*ground);
@@ -374,17 +386,35 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
             ErrorCode::InvalidArgument,
             "draw: the bound draw framebuffer is not complete (a surfaceless context has none of its own); bind one "
             "with colour and depth"};
-    const gl::StateGuard guard(*gpu.device);
-    const gl::DebugGroup group(*gpu.device, "tilth: draw");
+    const DetailSettings& settings = impl_->settings.detail;
     DetailView detail;
+    detail.settings = settings;
     if (gpu.detail) {
         const WorldPos eye{view.eye.x, view.eye.z};
         gpu.detail->set_default_viewer(eye);
-        detail = gpu.detail->view_from(eye);
+        // The relief window has framebuffers of its own: what the host has bound is put back before it is drawn to.
+        std::optional<gl::StateGuard> guard;
+        if (settings.backend != DetailBackend::None) guard.emplace(*gpu.device);
+        Result<DetailView> shown = gpu.detail->view_from(eye, settings, impl_->frame);
+        if (!shown) return shown.error();
+        detail = std::move(*shown);
     }
+    const gl::StateGuard guard(*gpu.device);
+    const gl::DebugGroup group(*gpu.device, "tilth: draw");
     return gpu.renderer->draw(view, shading, cursor, gpu.coarse->planes(), gpu.coarse->slopes(), gpu.coarse->bounds(),
                               impl_->frame.render, &detail);
 }
+
+Result<void> Terrain::set_detail(const DetailSettings& settings) {
+    if (const Result<void> checked = check_detail(settings); !checked) return checked.error();
+    if (impl_->gpu)
+        if (const Result<void> able = can_show(impl_->gpu->device->capabilities(), settings); !able)
+            return able.error();
+    impl_->settings.detail = settings;
+    return {};
+}
+
+const DetailSettings& Terrain::detail() const { return impl_->settings.detail; }
 
 Result<void> Terrain::reload_shaders() {
     if (!impl_->gpu) return {};

@@ -18,6 +18,7 @@
 #include "tilth/ground/change_set.h"
 #include "tilth/ground/ground.h"
 #include "tilth/pool/slope_map.h"
+#include "tilth/render/detail_settings.h"
 #include "tilth/render/view.h"
 #include "tilth/store/tile_store.h"
 #include "tilth/store/world_folder.h"
@@ -71,6 +72,8 @@ struct TerrainSettings {
     SlopeFormat slopes = SlopeFormat::rg8;
     SlopeStencil stencil = SlopeStencil::Central;
     ClipmapSettings clipmap;
+    /// How fine detail is shown at first; see `Terrain::set_detail`.
+    DetailSettings detail;
     /// Folder to load shaders from instead of the embedded ones (`reload_shaders` reads them again); empty: embedded.
     std::string shader_folder;
     /// Collects the context's debug messages for `take_debug_messages`. A context has one callback: leave this off
@@ -199,9 +202,17 @@ public:
     /// Draws the ground into the bound draw framebuffer, inside its viewport (0, 0, width, height). The host has bound
     /// a complete one with a depth attachment and cleared both (depth to 1, or 0 with `DepthConvention::Reversed`);
     /// depth test, culling and masks are set here. Colours are linear RGB; GL encodes them where the host enabled
-    /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading. Fails without GL, with settings
+    /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading, and its heights are shown as
+    /// `set_detail` says. Fails without GL, with settings
     /// out of range, and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
+
+    /// How fine detail is shown from the next `draw` on: backend, method, knobs. At any time, from any of them to any
+    /// other; what a backend needs (programs, the window of heights about the eye: 12 to 14 bytes a texel, at most
+    /// 2 048 x 2 048) is made when it first draws detail. Fails with InvalidArgument naming the field, or Unsupported
+    /// where the context lacks what it takes: nothing changes then, and nothing else is shown in its place.
+    Result<void> set_detail(const DetailSettings& settings);
+    [[nodiscard]] const DetailSettings& detail() const;
 
     /// Waits until everything queued is in the ground, the CPU's coarse copy is current, and all tiles that the viewers
     /// want are resident. Counted outside the frame. Fails like `update`, and when the store cannot give a tile.

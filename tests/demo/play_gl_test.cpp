@@ -68,6 +68,39 @@ TEST_F(Play, OutputsAreWhatWasAskedFor) {
     EXPECT_EQ(lines[5].substr(0, 6), "62,61,");
 }
 
+TEST_F(Play, ShowSwitchesHowDetailIsShownAndBack) {
+    const auto scenario_with = [](const std::string& steps) {
+        return "[terrain]\nheights = \"flat:size=129,height=0\"\nspacing = 0.1\ntile_size = 512\n"
+               "[view]\nsize = [96, 64]\n"
+               "[[step]]\nstamp = { shape = \"crater\", centre = [5.5, 4], radius = 0.6, amplitude = -0.3, map = "
+               "\"detail\" }\n"
+               "[[step]]\ncamera = { eye = [4, 4], above_ground = 1, look_at = [5.5, 0, 4] }\n" +
+               steps;
+    };
+    const auto picture = [&](const std::string& name) {
+        const auto read = io::read_png_rgb8((folder_ / (name + ".png")).string());
+        EXPECT_TRUE(read) << name;
+        return read ? read->pixels : std::vector<std::uint8_t>();
+    };
+    const auto shot = [](const std::string& name) { return "[[step]]\nscreenshot = \"" + name + ".png\"\n"; };
+    const auto show = [](const std::string& what) { return "[[step]]\nshow = { " + what + " }\n"; };
+    const std::string scenario = write(
+        "show.toml",
+        scenario_with(shot("none") + show("backend = \"parallax\", preset = \"exact\"") + shot("parallax") +
+                      show("backend = \"geometry\"") + shot("geometry") + show("debug = \"level\"") + shot("level") +
+                      show("backend = \"none\", preset = \"medium\", debug = \"off\"") + shot("again")));
+    const Ran ran = play(scenario, "");
+    ASSERT_EQ(ran.status, 0) << ran.output;
+    EXPECT_EQ(picture("again"), picture("none"));
+    EXPECT_NE(picture("parallax"), picture("none"));
+    EXPECT_NE(picture("geometry"), picture("none"));
+    EXPECT_NE(picture("geometry"), picture("parallax"));
+    EXPECT_NE(picture("level"), picture("geometry"));
+    const std::string by_flag = write("flag.toml", scenario_with(shot("by_flag")));
+    ASSERT_EQ(play(by_flag, "--backend geometry --preset exact").status, 0);
+    EXPECT_EQ(picture("by_flag"), picture("geometry")) << "the preset stayed when the backend changed";
+}
+
 TEST_F(Play, AFailedStepIsNamedAndTheRunGoesOn) {
     const std::string scenario = write("fails.toml",
                                        "[terrain]\nheights = \"flat:size=65,height=10\"\n[view]\nsize = [64, 48]\n"

@@ -6,6 +6,7 @@
 
 #include "demo/corpus.h"
 #include "demo/player/viewer.h"
+#include "demo/scenario/names.h"
 #include "demo/scenario/read_scenario.h"
 #include "demo/stats/run_report.h"
 #include "demo/world/open_world.h"
@@ -119,6 +120,8 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->terrain.settings.clipmap.levels, 4);
     EXPECT_EQ(scenario->terrain.settings.clipmap.blend, 0.2);
     EXPECT_EQ(scenario->terrain.settings.clipmap.refine_above_px, 2.5);
+    EXPECT_EQ(scenario->view.shown, (ShownDetail{DetailBackend::Hybrid, DetailPreset::Exact, DebugView::Off}));
+    EXPECT_EQ(scenario->terrain.settings.detail, detail_preset(DetailBackend::Hybrid, DetailPreset::Exact));
     EXPECT_EQ(scenario->view.ambient, 0.5);
     EXPECT_EQ(scenario->view.diffuse, 1.25);
     EXPECT_EQ(scenario->view.width, 320);
@@ -127,7 +130,7 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(world.folder, TILTH_SOURCE_DIR "/tests/demo/world") << "beside the scenario";
     EXPECT_EQ(world.options.flush.when, FlushPolicy::When::Every);
     EXPECT_EQ(world.options.flush.interval_ms, 2.5);
-    ASSERT_EQ(scenario->steps.size(), 22u);
+    ASSERT_EQ(scenario->steps.size(), 24u);
     EXPECT_EQ(std::get<CameraStep>(scenario->steps[1].action).above_ground_m, 2.0);
     const auto& stamp = std::get<StampStep>(scenario->steps[2].action);
     EXPECT_EQ(stamp.request.centre, (WorldPos{1e7 + 20, -1e7 + 20}));
@@ -153,6 +156,13 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_TRUE(std::holds_alternative<CrashStep>(scenario->steps[19].action));
     EXPECT_EQ(std::get<UndoStep>(scenario->steps[20].action).strokes, 3);
     EXPECT_EQ(std::get<RedoStep>(scenario->steps[21].action).strokes, 1);
+    const auto& show = std::get<ShowStep>(scenario->steps[22].action);
+    EXPECT_EQ(show.backend, DetailBackend::Tessellation);
+    EXPECT_EQ(show.preset, DetailPreset::High);
+    EXPECT_EQ(show.debug, DebugView::Fetches);
+    const auto& off = std::get<ShowStep>(scenario->steps[23].action);
+    EXPECT_FALSE(off.backend || off.preset) << "what is absent stays as it was";
+    EXPECT_EQ(off.debug, DebugView::Off);
 }
 
 TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
@@ -180,6 +190,38 @@ TEST(ReadScenario, TilesAreTheLibrarysUnlessGiven) {
     EXPECT_EQ(least->terrain.settings.tiles.budget.most_bytes, TileSettings().budget.most_bytes);
     EXPECT_EQ(tiles.most_gpu_bytes, 0u);
     EXPECT_FALSE(std::get<ScreenshotStep>(plain->steps[0].action).overlay);
+}
+
+// Scenarios name what the library names, in its order.
+TEST(ReadScenario, EveryBackendPresetAndDebugViewHasItsWord) {
+    ASSERT_EQ(kBackendNames.size(), 5u);
+    for (std::size_t i = 0; i < kBackendNames.size(); ++i)
+        EXPECT_EQ(kBackendNames[i], name_of(static_cast<DetailBackend>(i)));
+    ASSERT_EQ(kPresetNames.size(), 4u);
+    for (std::size_t i = 0; i < kPresetNames.size(); ++i)
+        EXPECT_EQ(kPresetNames[i], name_of(static_cast<DetailPreset>(i)));
+    EXPECT_EQ(kDebugNames.at(static_cast<std::size_t>(DebugView::Error)), "error");
+    EXPECT_EQ(kDebugNames.size(), static_cast<std::size_t>(DebugView::Error) + 1);
+    for (const std::string& backend : kBackendNames)
+        for (const std::string& preset : kPresetNames) {
+            Problems problems;
+            const auto scenario =
+                parsed("[view]\nbackend = \"" + backend + "\"\npreset = \"" + preset + "\"\n", problems);
+            ASSERT_TRUE(scenario) << problems.report("F");
+            const DetailSettings& detail = scenario->terrain.settings.detail;
+            EXPECT_EQ(name_of(detail.backend), backend);
+            EXPECT_EQ(detail, settings_of(scenario->view.shown));
+            EXPECT_TRUE(check_detail(detail));
+        }
+}
+
+TEST(ReadScenario, DetailIsSlopesAloneUnlessAskedFor) {
+    Problems problems;
+    const auto plain = parsed("[view]\nfov = 50\n", problems), bare = parsed("", problems);
+    ASSERT_TRUE(plain && bare) << problems.report("F");
+    EXPECT_EQ(plain->terrain.settings.detail.backend, DetailBackend::None);
+    EXPECT_EQ(plain->terrain.settings.detail.debug_view, DebugView::Off);
+    EXPECT_EQ(bare->terrain.settings.detail.backend, DetailBackend::None);
 }
 
 TEST(ReadScenario, AWorldIsInMemoryAndFlushesEachEditUnlessGiven) {

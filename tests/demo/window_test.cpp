@@ -98,18 +98,43 @@ TEST(Commands, KeysOfUndoAndSaving) {
     for (const char* key : {"Ctrl+Z ", "Ctrl+Y ", "F5 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
 }
 
+TEST(Commands, KeysOfTheDetail) {
+    const auto after = [](ShownDetail shown, std::vector<Key> keys, std::set<Key> held = {}) {
+        return changed(shown, {.held = std::move(held), .pressed = std::move(keys)});
+    };
+    EXPECT_EQ(after({}, {}), ShownDetail{});
+    EXPECT_EQ(after({}, {Key::F3}).backend, DetailBackend::Parallax);
+    EXPECT_EQ(after({}, {Key::F3}, {Key::Shift}).backend, DetailBackend::Hybrid) << "before the first comes the last";
+    EXPECT_EQ(after({}, {Key::F4}).preset, DetailPreset::High);
+    EXPECT_EQ(after({}, {Key::F6}).debug, DebugView::Wireframe);
+    EXPECT_EQ(after({}, {Key::F6}, {Key::Shift}).debug, DebugView::Error);
+    EXPECT_EQ(after({}, {}, {Key::F3, Key::F4, Key::F6}), ShownDetail{}) << "a key that is held down counts once";
+    ShownDetail shown;
+    for (int i = 0; i < 5; ++i) shown = after(shown, {Key::F3});
+    for (int i = 0; i < 4; ++i) shown = after(shown, {Key::F4});
+    for (int i = 0; i < 7; ++i) shown = after(shown, {Key::F6});
+    EXPECT_EQ(shown, ShownDetail{}) << "round";
+    EXPECT_EQ(title_of({DetailBackend::Hybrid, DetailPreset::High}), "hybrid high");
+    EXPECT_EQ(title_of({DetailBackend::None, DetailPreset::Low, DebugView::Fetches}), "none low, shows fetches");
+    for (const char* key : {"F3 ", "F4 ", "F6 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
+}
+
 TEST(Commands, TheScriptUsesEveryKindOfCommand) {
     bool moves = false, looks = false, stamps = false, drags = false, helps = false, shoots = false, quits = false;
     bool maps = false, walks = false, teleports = false, undoes = false, redoes = false, saves = false;
-    for (long frame = 0; frame < 19; ++frame) {
+    ShownDetail shown;
+    for (long frame = 0; frame < 21; ++frame) {
         const Commands c = commands_of(scripted_input(frame), 1);
         moves |= c.move.z != 0, looks |= c.yaw_rad != 0, stamps |= c.stamp, drags |= c.drag;
         helps |= c.help, shoots |= c.screenshot, quits |= c.quit;
         maps |= c.overlay, walks |= c.walk, teleports |= c.teleport;
+        shown = changed(shown, scripted_input(frame));
         undoes |= c.undo, redoes |= c.redo, saves |= c.save;
     }
     EXPECT_TRUE(moves && looks && stamps && drags && helps && shoots && maps && walks && teleports);
     EXPECT_TRUE(undoes && redoes && saves);
+    EXPECT_TRUE(shown.backend != DetailBackend::None && shown.preset != DetailPreset::Medium);
+    EXPECT_NE(shown.debug, DebugView::Off);
     EXPECT_FALSE(quits) << "--frames ends it";
 }
 

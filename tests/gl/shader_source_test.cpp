@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -83,6 +84,28 @@ TEST(ResolveIncludes, finds_files_from_the_root_with_prefix_and_beside) {
     const auto source = resolve(files, "shared/a.glsl");
     ASSERT_TRUE(source.ok()) << source.error().message;
     EXPECT_EQ(source->files, (std::vector<std::string>{"shared/a.glsl", "shared/b.glsl", "shared/c.glsl", "d.glsl"}));
+}
+
+TEST(ResolveIncludes, what_was_included_under_a_condition_is_included_again) {
+    const Files files{
+        {"a.frag",
+         "#ifdef FANCY\n#include \"fancy.glsl\"\n#endif\n#include \"base.glsl\"\n#include \"base.glsl\"\na6\n"},
+        {"fancy.glsl", "#ifndef FANCY_GLSL\n#define FANCY_GLSL\n#include \"base.glsl\"\nfancy\n#endif\n"},
+        {"base.glsl", "#ifndef BASE_GLSL\n#define BASE_GLSL\n#include \"deep.glsl\"\nbase\n#endif\n"},
+        {"deep.glsl", "#ifndef DEEP_GLSL\n#define DEEP_GLSL\ndeep\n#endif\n"}};
+    const auto source = resolve(files, "a.frag");
+    ASSERT_TRUE(source.ok()) << source.error().message;
+    const auto lines = lines_of(source->text);
+    // Once under the condition, once for all: a guard is no condition, or what base.glsl brings in would come a third
+    // time.
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), "base"), 2);
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), "deep"), 2);
+    EXPECT_EQ(std::count(lines.begin(), lines.end(), "fancy"), 1);
+    EXPECT_EQ(source->files, (std::vector<std::string>{"a.frag", "fancy.glsl", "base.glsl", "deep.glsl"}));
+    EXPECT_EQ(place_of(*source, "a6"), std::pair(std::string("a.frag"), 6));
+    const auto last = std::find(lines.rbegin(), lines.rend(), "base");
+    EXPECT_EQ(*std::find_if(last, lines.rend(), [](const std::string& l) { return l.starts_with("#line"); }),
+              "#line 4 2");
 }
 
 TEST(ResolveIncludes, leaves_angle_brackets_to_the_other_language) {

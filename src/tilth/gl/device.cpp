@@ -57,7 +57,8 @@ Capabilities capabilities_of(const Api& gl) {
     c.copy_image = gl.ARB_copy_image != 0;
     c.texture_barrier = gl.ARB_texture_barrier != 0;
     c.pipeline_statistics = gl.ARB_pipeline_statistics_query != 0;
-    c.tessellation = gl.ARB_tessellation_shader != 0;
+    // Its shaders are GLSL 4.00, which the extension alone does not promise.
+    c.tessellation = gl.ARB_tessellation_shader != 0 && c.version >= Version{4, 0};
     c.viewport_array = gl.ARB_viewport_array != 0;
     c.draw_buffers_blend = gl.ARB_draw_buffers_blend != 0;
     c.fixed_index_restart = c.version >= Version{4, 3} || c.has_extension("GL_ARB_ES3_compatibility");

@@ -97,6 +97,10 @@ public:
     /// Reads a whole level in the transfer layout. Waits for the GPU: tests, dumps and saves at rest only.
     void read(int level, void* texels) const;
     void set_filter(Filter filter);
+    /// Shows samplers the levels `base` to `max` only, both included; 0 to levels() - 1 is all of them, as at creation.
+    /// A pass may then write a level below `base` or above the one that is sampled. texelFetch counts its level from
+    /// `base`.
+    void set_level_range(int base, int max);
     /// Binds to `unit`, without a sampler object: the texture's own filter and wrap hold.
     void bind(int unit) const;
 
@@ -232,6 +236,7 @@ struct Uniform {
 struct ProgramRecipe {
     std::string label, vertex, geometry, tess_control, tess_evaluation, fragment;
     std::vector<std::pair<std::string, std::string>> features;
+    std::vector<std::string> feedback;
 };
 
 /// A linked program. Made by `ShaderLibrary`.

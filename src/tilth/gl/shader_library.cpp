@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "tilth/gl/api.h"
 
@@ -76,6 +77,12 @@ Result<unsigned> ShaderLibrary::link(const ProgramRecipe& recipe) {
         if (!outcome) break;
     }
     if (outcome) {
+        if (!recipe.feedback.empty()) {
+            std::vector<const char*> names;
+            for (const std::string& name : recipe.feedback) names.push_back(name.c_str());
+            gl.TransformFeedbackVaryings(program, static_cast<GLsizei>(names.size()), names.data(),
+                                         GL_INTERLEAVED_ATTRIBS);
+        }
         gl.LinkProgram(program);
         GLint linked = GL_FALSE;
         gl.GetProgramiv(program, GL_LINK_STATUS, &linked);
@@ -108,6 +115,7 @@ Result<Program> ShaderLibrary::program(std::string_view label, std::string_view 
     recipe.tess_control = options.tess_control;
     recipe.tess_evaluation = options.tess_evaluation;
     recipe.features = features;
+    recipe.feedback = options.feedback;
     Result<unsigned> id = link(recipe);
     if (!id) return id.error();
     return Program(device_, std::move(recipe), *id);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tilth/core/result.h"
 #include "tilth/gl/objects.h"
@@ -11,9 +12,12 @@
 
 namespace tilth::gl {
 
-/// Stages beside vertex and fragment; empty means none. With tessellation the version is 4.00, else 3.30.
+/// What a program has beside vertex and fragment; an empty stage means none. With tessellation the version is 4.00,
+/// else 3.30.
 struct ProgramOptions {
     std::string geometry, tess_control, tess_evaluation;
+    /// Outputs of the last stage before the rasteriser that transform feedback captures, interleaved in this order.
+    std::vector<std::string> feedback;
 };
 
 /// Compiles and links. Fragment outputs are placed by `layout(location = n)` in the shader.

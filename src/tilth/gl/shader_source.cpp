@@ -60,9 +60,11 @@ public:
     explicit Resolver(const ReadSource& read) : read_(read) {}
 
     Result<void> add(const std::string& path, const std::string& content) {
-        const std::size_t index = result.files.size();
-        result.files.push_back(path);
+        const std::size_t index = index_of(path);
+        if (conditions_ == 0) for_sure_.push_back(path);
         open_.push_back(path);
+        const int conditions_before = conditions_;
+        bool first_directive = true;
         line_directive(1, index);
         int number = 0;
         std::string_view rest = content;
@@ -71,6 +73,7 @@ public:
             const std::string_view line = rest.substr(0, end);
             rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
             ++number;
+            count_conditions(line, first_directive);
             if (const auto target = directive(line, "include"); target && !target->starts_with('<')) {
                 if (Result<void> included = include(path, number, *target); !included) return included;
                 line_directive(number + 1, index);
@@ -81,6 +84,7 @@ public:
                 result.text += '\n';
             }
         }
+        conditions_ = conditions_before;
         open_.pop_back();
         return {};
     }
@@ -88,6 +92,25 @@ public:
     ResolvedSource result;
 
 private:
+    /// Of `path` in the list of files, to whose end it is added if need be.
+    std::size_t index_of(const std::string& path) {
+        const auto known = std::find(result.files.begin(), result.files.end(), path);
+        if (known != result.files.end()) return static_cast<std::size_t>(known - result.files.begin());
+        result.files.push_back(path);
+        return result.files.size() - 1;
+    }
+
+    /// Keeps count of the #ifs about the next line. The #ifndef that guards a whole file is none: where it is false,
+    /// the file's text is there already.
+    void count_conditions(std::string_view line, bool& first_directive) {
+        if (!trimmed(line).starts_with('#')) return;
+        const bool guard = first_directive && directive(line, "ifndef").has_value();
+        first_directive = first_directive && directive(line, "pragma").has_value();
+        if (guard) return;
+        if (directive(line, "if") || directive(line, "ifdef") || directive(line, "ifndef")) ++conditions_;
+        if (directive(line, "endif") && conditions_ > 0) --conditions_;
+    }
+
     void line_directive(int line, std::size_t index) { result.text += text("#line ", line, " ", index, "\n"); }
 
     Result<void> include(const std::string& from, int line, std::string_view target) {
@@ -105,7 +128,7 @@ private:
                     chain += *it + " -> ";
                 return Error{ErrorCode::FileFormat, text(from, ":", line, ": #include cycle: ", chain, path)};
             }
-            if (std::find(result.files.begin(), result.files.end(), path) != result.files.end()) return {};
+            if (std::find(for_sure_.begin(), for_sure_.end(), path) != for_sure_.end()) return {};
             if (Result<std::string> content = read_(path)) return add(path, *content);
         }
         return Error{ErrorCode::NotFound, text(from, ":", line, ": #include \"", name,
@@ -113,7 +136,9 @@ private:
     }
 
     const ReadSource& read_;
-    std::vector<std::string> open_;  // the chain of files being read
+    std::vector<std::string> open_;      // the chain of files being read
+    std::vector<std::string> for_sure_;  // in the text outside of any condition
+    int conditions_ = 0;
 };
 
 /// Reads a decimal number at the front of `rest` and removes it.

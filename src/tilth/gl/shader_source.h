@@ -41,7 +41,9 @@ using ReadSource = std::function<Result<std::string>(std::string_view path)>;
 /// Puts `path` and what it includes together: the version line, `#define TILTH_GLSL 1`, the features, the file.
 ///
 /// `#include "shared/x.glsl"` is looked for below the shaders root (a leading "shaders/" is dropped, as the C++ side
-/// writes it), then beside the including file. Each file is included once; `#pragma once` is dropped.
+/// writes it), then beside the including file. Each file is included once; `#pragma once` is dropped. One that was only
+/// included between `#if` and `#endif` is included again where it is asked for next, so it needs a guard (`#ifndef` in
+/// front of everything).
 /// `#include <...>` is left alone: it is for the C++ side, behind `#ifdef __cplusplus`.
 /// Fails with NotFound (naming the including file and line) or FileFormat (a cycle, named as a chain; a malformed
 /// include).

@@ -142,6 +142,15 @@ void Texture2D::set_filter(Filter filter) {
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, is_nearest(filter) ? GL_NEAREST : GL_LINEAR);
 }
 
+void Texture2D::set_level_range(int base, int max) {
+    TILTH_EXPECTS(base >= 0 && base <= max && max < levels(), "not levels of the texture");
+    const Api& gl = handle_.gl();
+    gl.ActiveTexture(GL_TEXTURE0);
+    gl.BindTexture(GL_TEXTURE_2D, id());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_BASE_LEVEL, base);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, max);
+}
+
 void Texture2D::bind(int unit) const {
     const Api& gl = handle_.gl();
     gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));

@@ -1,8 +1,12 @@
 // Draws the ground: instanced draws of clipmap blocks, and of the stitches between their levels.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "tilth/core/result.h"
@@ -18,20 +22,12 @@
 #include "tilth/render/detail_blocks.h"
 #include "tilth/render/detail_view.h"
 #include "tilth/render/height_bounds.h"
+#include "tilth/render/terrain_program.h"
 #include "tilth/render/view.h"
 #include "tilth/world/grid.h"
 #include "tilth/world/height_codec.h"
 
 namespace tilth {
-
-/// The map that is drawn.
-struct MapInfo {
-    GridSpec grid;  ///< of the stored map: width and depth are those of the planes
-    HeightCodec codec;
-    HeightPrecision precision = HeightPrecision::bits32;
-    SlopeFormat slopes = SlopeFormat::rg8;
-    bool mirrored = false;  ///< the map is repeated by reflection to 2^20 x 2^20 posts
-};
 
 /// Switches for tests and for finding faults; the defaults are right for everybody else.
 struct RendererDebug {
@@ -44,6 +40,7 @@ struct RendererDebug {
 struct RenderCounts {
     std::uint32_t blocks = 0, refined_blocks = 0, culled_blocks = 0, stitches = 0;
     std::uint32_t detail_blocks = 0;  ///< of `blocks`: those that sample a detail tile
+    std::uint32_t relief_blocks = 0;  ///< of `blocks`: those that a detail backend draws
 };
 
 /// Draws a map by a geometry clipmap (`clipmap_layout.h`), morphed, refined where the ground is rough
@@ -64,6 +61,10 @@ struct RenderCounts {
 /// drawn with once at once, because drivers compile at the first draw (llvmpipe: some 0.3 s each cold, a few ms from
 /// its disk cache), so that the frame of the first print carries it all and no frame of a walk across a tile's border
 /// does. Measured on llvmpipe at 1280 x 720: detail in one tile adds 30 ns of CPU time a pixel in reach, on borders 70.
+///
+/// With a detail backend (`DetailSettings`) blocks of the finest level that have detail in them, within its reach, are
+/// drawn by the backend's programs (`render/backends/`), from the relief window; everything else as before. Programs
+/// of a backend are made when it first draws and kept, so that switching back and forth costs nothing.
 class TerrainRenderer {
 public:
     /// Fails with InvalidArgument (settings, map) or ShaderCompile. `shaders` must outlive the renderer.
@@ -71,9 +72,9 @@ public:
                                           const ClipmapSettings& settings, const MapInfo& map);
 
     /// Draws one view. `planes`, `slopes` and `bounds` are those of the map. `detail`: nullptr or empty() adds nothing
-    /// and costs nothing. Fails with InvalidArgument (a view out of range: nothing is drawn), Unsupported (reversed
-    /// depth without GL_ARB_clip_control) or ShaderCompile (the detail programs: nothing is drawn; asked for again next
-    /// time). Never waits.
+    /// and costs nothing; its settings are checked (`check_detail`). Fails with InvalidArgument (a view out of range:
+    /// nothing is drawn), Unsupported (reversed depth without GL_ARB_clip_control, tessellation without GL 4.0) or
+    /// ShaderCompile (programs that were not needed before: nothing is drawn; asked for again next time). Never waits.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor, const HeightPlanes& planes,
                       const SlopeMap& slopes, const HeightBounds& bounds, gl::StageStats& stats,
                       const DetailView* detail = nullptr);
@@ -90,52 +91,77 @@ public:
     [[nodiscard]] Texel last_post() const { return last_post_; }
 
 private:
-    /// What a block's vertices need; a program for each (`render/terrain.vert`). Stitches take the general one.
-    enum class Kind { Own, Morphing, Refined, General };
-    static constexpr std::size_t kKinds = 4;
-
-    struct Uniforms {
-        explicit Uniforms(gl::Program& program);
-        gl::Uniform last_post, stored_posts, base_post, fraction_m, spacing_m, eye_code, eye_above_code_m,
-            code_quantum_m, n, zone_units, coarsest_level, clip_from_relative, slopes_size_posts, slopes_last_level,
-            node_grids, base_stored_post, eye_tint, to_light, ambient, diffuse, specular, specular_exponent, fog_colour,
-            fog_density, low_colour, high_colour, steep_colour, cursor_m, cursor_colour;
-        gl::Uniform detail_base_texels, detail_texels_per_m, detail_apron, detail_stored_size, detail_map_edge,
-            detail_reach_m, detail_tile_texels, detail_window_texels;
-    };
-    struct Shader {
-        gl::Program program;
-        Uniforms uniforms;
+    /// Programs that are made together, since each may be needed in any frame.
+    struct Group {
+        std::string key;
+        std::vector<TerrainProgram> programs;
     };
     /// Blocks that are drawn by one call.
     struct Run {
-        Kind kind = Kind::Own;
+        BlockKind kind = BlockKind::Own;
         DetailSource detail = DetailSource::None;
+        std::size_t relief = 0;  ///< 0: none; else the plan's recipe, from 1 on
         std::size_t count = 0;
+        [[nodiscard]] bool goes_on(const Run& other) const {
+            return kind == other.kind && detail == other.detail && relief == other.relief;
+        }
     };
-    static Result<std::vector<Shader>> make_shaders(gl::ShaderLibrary& shaders, const MapInfo& map, bool detail);
+    /// What a draw takes from the settings.
+    struct Mode {
+        BackendPlan plan;
+        bool phong = false, debug_view = false;
+    };
+    /// What the blocks of a draw need; nullptr where they do not. [1]: curved by Phong tessellation.
+    struct Groups {
+        std::array<Group*, 2> plain{}, detail{};
+        Group* relief = nullptr;  ///< by recipe, and of each by kind: Own, Morphing
+    };
+    /// First and last post of a block.
+    struct PostRect {
+        Texel first, last;
+    };
     TerrainRenderer(gl::Device& device, gl::ShaderLibrary& library, const ClipmapSettings& settings, const MapInfo& map,
-                    std::vector<Shader> shaders_by_kind, gl::VertexArray block_array, gl::VertexArray stitch_array,
-                    gl::Buffer indices, gl::Buffer blocks, gl::Buffer stitches, gl::TextureBuffer node_weights);
-    [[nodiscard]] bool is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds) const;
-    void choose_blocks(const Camera& camera, const HeightBounds& bounds, const DetailView* detail);
-    [[nodiscard]] Run run_of(const DrawnBlock& drawn, const Camera& camera, const DetailView* detail) const;
-    [[nodiscard]] Kind kind_of(const DrawnBlock& drawn, const Camera& camera) const;
-    Result<void> make_detail_programs(gl::StageStats& stats);
+                    gl::VertexArray block_array, gl::VertexArray stitch_array, gl::Buffer indices, gl::Buffer blocks,
+                    gl::Buffer stitches, gl::TextureBuffer node_weights);
+    [[nodiscard]] Mode mode_of(const View& view, const DetailView* detail) const;
+    void choose_blocks(const Camera& camera, const HeightBounds& bounds, const DetailView* detail, const Mode& mode);
+    [[nodiscard]] Run run_of(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
+                             const DetailView* detail, const Mode& mode) const;
+    /// 1 + the recipe that draws a block; 0 where no relief is to be seen.
+    [[nodiscard]] std::size_t relief_of(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
+                                        const DetailView& detail, const BackendPlan& plan) const;
+    [[nodiscard]] BlockKind kind_of(const DrawnBlock& drawn, const Camera& camera) const;
+    [[nodiscard]] PostRect posts_of(const ClipmapBlock& block) const;
+    /// Codes that a block's vertices may stand at, on the coarse ground.
+    [[nodiscard]] CodeRange coarse_codes(const DrawnBlock& drawn, const HeightBounds& bounds) const;
+    /// Codes of the detail in a block and about it.
+    [[nodiscard]] CodeRange relief_codes(const ClipmapBlock& block, const DetailView& detail) const;
+    /// A block whose vertices stand between `codes`, metres from the eye.
+    [[nodiscard]] RelativeBox box_of(const DrawnBlock& drawn, const Camera& camera, CodeRange codes) const;
+    /// `relief`: what may move the block's surface; nullptr: nothing.
+    [[nodiscard]] bool is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
+                                  const DetailView* relief) const;
+
+    /// Made if it is not there yet.
+    Result<Group*> group_of(const std::string& key, std::span<const ProgramChoice> choices, gl::StageStats& stats);
+    Result<Groups> groups_for(const Mode& mode, gl::StageStats& stats);
+    Result<void> make_flat();
+    /// So that drivers compile now.
+    void draw_nothing(Group& group, gl::StageStats& stats);
+    /// `curved`: by Phong tessellation.
+    static TerrainProgram& program_of(const Run& run, const Groups& groups, bool curved);
+    void draw_triangles(std::size_t first, std::size_t count, gl::StageStats& stats);
+    /// In many small draws; edges are split in at most `factor` parts.
+    void draw_patches(std::size_t first, std::size_t count, std::int32_t factor, gl::StageStats& stats);
     void set_state(const View& view);
-    void set_uniforms(const Shader& shader, const Camera& camera, const Shading& shading, const BrushCursor* cursor,
-                      const SlopeMap& slopes) const;
-    /// Binds the tiles of `source` and says where they lie. The program is bound.
-    void set_detail(const Shader& shader, const DetailView& detail, DetailSource source, const Camera& camera) const;
 
     gl::Device* device_;
     gl::ShaderLibrary* library_;
     ClipmapSettings settings_;
     MapInfo map_;
     Texel last_post_;
-    std::vector<Shader> shaders_;         ///< by kind
-    std::vector<Shader> detail_shaders_;  ///< by kind: of one tile, but the general one of a window. Empty until needed
-    std::optional<gl::Texture2D> flat_;   ///< one texel, in the place of tiles that are missing; until needed: none
+    std::vector<std::unique_ptr<Group>> groups_;
+    std::optional<gl::Texture2D> flat_;  ///< one texel, in the place of tiles that are missing; until needed: none
     gl::VertexArray block_array_, stitch_array_;
     gl::Buffer indices_, block_buffer_, stitch_buffer_;
     gl::TextureBuffer node_weights_;

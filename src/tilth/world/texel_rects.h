@@ -13,4 +13,7 @@ namespace tilth {
 /// block are taken instead, which may add texels of those blocks but never lose one.
 std::vector<TexelRect> disjoint(std::span<const TexelRect> rects);
 
+/// Appends `rect` without the texels of `hole` to `out`: up to four disjoint rectangles, two if both are of one size.
+void subtract(const TexelRect& rect, const TexelRect& hole, std::vector<TexelRect>& out);
+
 }  // namespace tilth

@@ -1,0 +1,21 @@
+// How fine detail is shown, by the words of scenarios, flags and keys. Pure; no TOML, no GL.
+#pragma once
+
+#include "tilth/render/detail_settings.h"
+
+namespace tilth::demo {
+
+struct ShownDetail {
+    DetailBackend backend = DetailBackend::None;
+    DetailPreset preset = DetailPreset::Medium;
+    DebugView debug = DebugView::Off;
+    friend bool operator==(const ShownDetail&, const ShownDetail&) = default;
+};
+
+inline DetailSettings settings_of(const ShownDetail& shown) {
+    DetailSettings settings = detail_preset(shown.backend, shown.preset);
+    settings.debug_view = shown.debug;
+    return settings;
+}
+
+}  // namespace tilth::demo
