@@ -208,7 +208,7 @@ public:
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
     /// How fine detail is shown from the next `draw` on: backend, method, knobs. At any time, from any of them to any
-    /// other; what a backend needs (programs, the window of heights about the eye: 12 to 14 bytes a texel, at most
+    /// other; what a backend needs (programs, the window of heights about the eye: 9 to 11 bytes a texel, at most
     /// 2 048 x 2 048) is made when it first draws detail. Fails with InvalidArgument naming the field, or Unsupported
     /// where the context lacks what it takes: nothing changes then, and nothing else is shown in its place.
     Result<void> set_detail(const DetailSettings& settings);

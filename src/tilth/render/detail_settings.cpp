@@ -49,7 +49,7 @@ DetailSettings detail_preset(DetailBackend backend, DetailPreset preset) {
             break;
         case DetailPreset::Exact:
             parallax.method = ParallaxMethod::Exact;
-            parallax.least_elevation_rad = 0.1 * std::numbers::pi / 180;
+            parallax.least_elevation_rad = 1.0 * std::numbers::pi / 180;
             parallax.depth = true;
             made.refinement = {.most_factor = 64, .edge_px = 0};
             made.tessellated = 0.5;

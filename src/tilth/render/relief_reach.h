@@ -19,7 +19,7 @@ ReliefReach relief_reach(const ClipmapSettings& clipmap, double spacing_m, std::
 /// The pyramid's level whose nodes are two posts wide at least: where the mesh backends look for detail about a post.
 std::int32_t mark_level(std::int32_t texels_per_post);
 
-inline constexpr std::int32_t kMostReliefTexels = 2048;  ///< a side: 28 MB
+inline constexpr std::int32_t kMostReliefTexels = 2048;  ///< a side: 45 MB at most
 /// The window's corner moves in steps of this many texels.
 inline constexpr std::int32_t kReliefStep = 64;
 
