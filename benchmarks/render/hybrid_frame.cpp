@@ -4,11 +4,11 @@
 namespace tilth::bench {
 namespace {
 
-const bool kAdded = add_relief_row({.name = "hybrid",
-                                    .settings = detail_preset(DetailBackend::Hybrid, DetailPreset::Medium),
-                                    .by_resolution = true}) &&
-                    add_relief_row({.name = "hybrid_low",
-                                    .settings = detail_preset(DetailBackend::Hybrid, DetailPreset::Low)});
+const bool kAdded =
+    add_relief_row({.name = "hybrid",
+                    .settings = detail_preset(DetailBackend::Hybrid, DetailPreset::Medium),
+                    .by_resolution = true}) &&
+    add_relief_row({.name = "hybrid_low", .settings = detail_preset(DetailBackend::Hybrid, DetailPreset::Low)});
 
 }  // namespace
 }  // namespace tilth::bench

@@ -1,6 +1,6 @@
-// What does parallax cost by method, and how much of it are the fetches? Rows of the table (relief_rows.h): the reference
-// paper's method, secant with 16 steps, exact; floors: programs that make so many linear fetches of heights at the
-// fragment's own place and otherwise shade as `none` does.
+// What does parallax cost by method, and how much of it are the fetches? Rows of the table (relief_rows.h): the
+// reference paper's method, secant with 16 steps, exact; floors: programs that make so many linear fetches of heights
+// at the fragment's own place and otherwise shade as `none` does.
 #include "render/relief_rows.h"
 #include "render/relief_scene.h"
 

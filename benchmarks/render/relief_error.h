@@ -10,8 +10,8 @@ struct ReliefError {
     double rms_px = 0, p99_px = 0, wrong_percent = 0;  ///< where relief stands in full, a quarter before its reach
 };
 
-/// At three places of the walk, 1 600 x 900; on a cut-out of the reference's ground with the same stamps. In a context of
-/// the tests' own; the benchmarks' is current again afterwards. Traced relief writes its depth for this.
+/// At three places of the walk, 1 600 x 900; on a cut-out of the reference's ground with the same stamps. In a context
+/// of the tests' own; the benchmarks' is current again afterwards. Traced relief writes its depth for this.
 ReliefError relief_error(const DetailSettings& settings, Dents dents);
 
 }  // namespace tilth::bench

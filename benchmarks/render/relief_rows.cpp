@@ -1,6 +1,6 @@
-// What does detail cost that can be seen? Frames of each backend, of their floors and of `none`, in turn at each place of
-// a walk, as ratios to `none`: median and 95th percentile over the places. On untouched ground all ratios are to be 1 and
-// all counts equal. Rows and floors: the files of the backends beside this one; ground and walk: relief_scene.h.
+// What does detail cost that can be seen? Frames of each backend, of their floors and of `none`, in turn at each place
+// of a walk, as ratios to `none`: median and 95th percentile over the places. On untouched ground all ratios are to be
+// 1 and all counts equal. Rows and floors: the files of the backends beside this one; ground and walk: relief_scene.h.
 //
 //   primitives     generated, mean over the places, by query
 //   error_...      against every texel as a mesh (relief_error.h)
@@ -44,8 +44,8 @@ struct Worlds {
         if (made) return *made;
         std::string folder;
         if (shaders != RowShaders::Own) {
-            overlays.push_back(std::make_unique<ShaderOverlay>(shaders == RowShaders::PassThrough ? "pass_through"
-                                                                                                  : "plain_fetches"));
+            overlays.push_back(
+                std::make_unique<ShaderOverlay>(shaders == RowShaders::PassThrough ? "pass_through" : "plain_fetches"));
             folder = overlays.back()->folder();
         }
         made = reference_terrain(folder);

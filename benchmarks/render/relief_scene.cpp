@@ -32,7 +32,8 @@ WorldPos place_beside_way(Dice& dice, int x, int z) {
         const WorldPos on_way = walk_place(dice.within(0, 1));
         const double dx = dice.within(-kWayside_m, kWayside_m), dz = dice.within(-kWayside_m, kWayside_m);
         const WorldPos at{on_way.x + dx, on_way.z + dz};
-        if (std::hypot(dx, dz) < kWayside_m && (at.x > kCorner_m) == (x == 1) && (at.z > kCorner_m) == (z == 1)) return at;
+        if (std::hypot(dx, dz) < kWayside_m && (at.x > kCorner_m) == (x == 1) && (at.z > kCorner_m) == (z == 1))
+            return at;
     }
 }
 
@@ -150,8 +151,7 @@ std::uint64_t hash_of(Terrain& terrain) {
 
 ShaderOverlay::ShaderOverlay(const std::string& name) {
     namespace fs = std::filesystem;
-    const std::string own = text("tilth-bench-", name, "-",
-                                 static_cast<std::int64_t>(std::random_device{}()));
+    const std::string own = text("tilth-bench-", name, "-", static_cast<std::int64_t>(std::random_device{}()));
     folder_ = (fs::temp_directory_path() / own).string();
     constexpr auto how = fs::copy_options::recursive | fs::copy_options::overwrite_existing;
     fs::copy(TILTH_SOURCE_DIR "/shaders", folder_, how);

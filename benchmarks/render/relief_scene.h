@@ -1,9 +1,10 @@
-// The reference configuration with dents in it: the ground, the walk and the stamps of all benchmarks of detail backends.
+// The reference configuration with dents in it: the ground, the walk and the stamps of all benchmarks of detail
+// backends.
 //
 // As demo/scenarios/reference.toml: 4 096 x 4 096 posts 0.1 m apart with 40 m of relief, texels of 1/30 m in tiles of
 // 2 048, clipmap n = 255 with 5 levels. The walk is that of the reference paper's own implementation: 60 m across the
-// corner of four tiles, eye 2 m above ground, 90 degrees; as there each of the four tiles has 40 stamps within 12 m of the
-// way, 20 footprints of 1 m and 20 gaussians of 1 to 4 m. The walker's own boot prints come on top.
+// corner of four tiles, eye 2 m above ground, 90 degrees; as there each of the four tiles has 40 stamps within 12 m of
+// the way, 20 footprints of 1 m and 20 gaussians of 1 to 4 m. The walker's own boot prints come on top.
 #pragma once
 
 #include <cstdint>
@@ -47,8 +48,8 @@ View walk_view(const Ground& ground, WorldPos place);
 /// The terrain's whole state.
 std::uint64_t hash_of(Terrain& terrain);
 
-/// A copy of the library's shaders with the files below benchmarks/render/shaders/`name` in their place; a folder that is
-/// deleted with this.
+/// A copy of the library's shaders with the files below benchmarks/render/shaders/`name` in their place; a folder that
+/// is deleted with this.
 class ShaderOverlay {
 public:
     explicit ShaderOverlay(const std::string& name);

@@ -1,5 +1,5 @@
-// What does the tessellator cost? Rows of the table (relief_rows.h): edges of 4 pixels; all levels 1, where it only hands
-// triangles on: the floor of having one.
+// What does the tessellator cost? Rows of the table (relief_rows.h): edges of 4 pixels; all levels 1, where it only
+// hands triangles on: the floor of having one.
 #include "render/relief_rows.h"
 
 namespace tilth::bench {

@@ -291,9 +291,7 @@ Player::Outcome Player::run(const WaitStep& step) {
 }
 
 Player::Outcome Player::run(const ShowStep& step) {
-    const ShownDetail next{.backend = step.backend.value_or(shown_.backend),
-                           .preset = step.preset.value_or(shown_.preset),
-                           .debug = step.debug.value_or(shown_.debug)};
+    const ShownDetail next = shown_after(shown_, step);
     if (const auto set = terrain().set_detail(settings_of(next)); !set) return "show: " + set.error().message;
     shown_ = next;
     return {};

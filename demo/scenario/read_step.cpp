@@ -212,8 +212,10 @@ ShowStep read_show(TableReader& reader) {
         step.backend = static_cast<DetailBackend>(*backend);
     if (const auto preset = reader.choice("preset", kPresetNames)) step.preset = static_cast<DetailPreset>(*preset);
     if (const auto debug = reader.choice("debug", kDebugNames)) step.debug = static_cast<DebugView>(*debug);
-    if (!reader.has("backend") && !reader.has("preset") && !reader.has("debug"))
-        reader.problems().add(reader.line(), "show", "says nothing; allowed: one or more of backend, preset and debug");
+    step.phong = reader.boolean("phong");
+    if (!reader.has("backend") && !reader.has("preset") && !reader.has("debug") && !reader.has("phong"))
+        reader.problems().add(reader.line(), "show",
+                              "says nothing; allowed: one or more of backend, preset, debug and phong");
     return step;
 }
 

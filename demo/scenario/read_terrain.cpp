@@ -143,6 +143,10 @@ void read_view(TableReader& reader, ViewPart& view, TerrainPart& terrain) {
     }
     if (const auto preset = reader.choice("preset", kPresetNames))
         view.shown.preset = static_cast<DetailPreset>(*preset);
+    if (const auto phong = reader.boolean("phong")) {
+        view.shown.phong = *phong;
+        terrain.lines["phong"] = reader.line_of("phong");
+    }
     terrain.settings.detail = settings_of(view.shown);
     if (const auto c = reader.numbers("clear", 3, 3, {0, 1, false, "linear red, green, blue from 0 to 1"}))
         view.clear = {float((*c)[0]), float((*c)[1]), float((*c)[2])};

@@ -101,7 +101,15 @@ struct ShowStep {
     std::optional<DetailBackend> backend;
     std::optional<DetailPreset> preset;
     std::optional<DebugView> debug;
+    std::optional<bool> phong;
 };
+
+inline ShownDetail shown_after(const ShownDetail& before, const ShowStep& step) {
+    return {.backend = step.backend.value_or(before.backend),
+            .preset = step.preset.value_or(before.preset),
+            .debug = step.debug.value_or(before.debug),
+            .phong = step.phong.value_or(before.phong)};
+}
 
 /// The world on disk: `save` puts everything into its pages; `reopen` ends the world and opens it again; `crash` does
 /// so without closing it first.

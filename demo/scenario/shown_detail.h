@@ -9,12 +9,14 @@ struct ShownDetail {
     DetailBackend backend = DetailBackend::None;
     DetailPreset preset = DetailPreset::Medium;
     DebugView debug = DebugView::Off;
+    bool phong = false;  ///< coarse triangles curved
     friend bool operator==(const ShownDetail&, const ShownDetail&) = default;
 };
 
 inline DetailSettings settings_of(const ShownDetail& shown) {
     DetailSettings settings = detail_preset(shown.backend, shown.preset);
     settings.debug_view = shown.debug;
+    settings.phong.on = shown.phong;
     return settings;
 }
 

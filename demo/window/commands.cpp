@@ -74,12 +74,14 @@ ShownDetail changed(ShownDetail shown, const Input& input) {
         if (key == Key::F3) shown.backend = next(shown.backend, kBackendNames);
         if (key == Key::F4) shown.preset = next(shown.preset, kPresetNames);
         if (key == Key::F6) shown.debug = next(shown.debug, kDebugNames);
+        if (key == Key::F7) shown.phong = !shown.phong;
     }
     return shown;
 }
 
 std::string title_of(const ShownDetail& shown) {
     std::string title = std::string(name_of(shown.backend)) + " " + std::string(name_of(shown.preset));
+    if (shown.phong) title += ", phong";
     if (shown.debug != DebugView::Off) title += ", shows " + kDebugNames[static_cast<std::size_t>(shown.debug)];
     return title;
 }
@@ -112,7 +114,8 @@ std::string help_text() {
            "F2 residency map: yellow loading, orange uploading, green resident, framed drawn, red dot dirty, violet "
            "saving\n"
            "F3 backend that shows fine detail, F4 its preset, F6 debug view (wireframe, level, tile, backend, fetches, "
-           "error): the next, with Shift the one before\n"
+           "error): the next, with Shift the one before; F7 curves coarse triangles (Phong tessellation), or no "
+           "longer\n"
            "Ctrl+Z takes the last stroke back, Ctrl+Y does it again; a drag is one stroke, and so is a walk\n"
            "F5 saves (with --store DIR every stroke is kept in any case)\n"
            "F12 screenshot, F1 this help, Esc leaves\n";

@@ -44,6 +44,7 @@ enum class Key {
     F4,
     F5,
     F6,
+    F7,
     F12,
     Escape,  // pressed
 };
@@ -87,10 +88,11 @@ Commands commands_of(const Input& input, double speed_m_per_s);
 /// The brush after the frame's input. Radius by a tenth a notch within `least_radius_m`..`most_radius_m`.
 Brush changed(Brush brush, const Input& input, std::size_t shapes, double least_radius_m, double most_radius_m);
 
-/// How detail is shown after the frame's input: each key takes the next of its kind, with Shift the one before.
+/// How detail is shown after the frame's input: each key takes the next of its kind, with Shift the one before;
+/// F7 curves coarse triangles, or no longer.
 ShownDetail changed(ShownDetail shown, const Input& input);
 
-/// "hybrid high", and the debug view if there is one: "hybrid high, shows fetches".
+/// "hybrid high", and what else there is: "hybrid high, phong, shows fetches".
 std::string title_of(const ShownDetail& shown);
 
 /// The stamp that a brush leaves where the ground was `ground_m` high under the cursor: `min` and `max` cut or fill to

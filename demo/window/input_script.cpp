@@ -63,6 +63,9 @@ Input scripted_input(long frame) {
         case 20:
             input.pressed = {Key::F6};
             break;
+        case 21:
+            input.pressed = {Key::F7};
+            break;
         default:
             break;
     }

@@ -61,6 +61,7 @@ constexpr std::pair<int, Key> kKeys[] = {{GLFW_KEY_W, Key::W},
                                          {GLFW_KEY_F4, Key::F4},
                                          {GLFW_KEY_F5, Key::F5},
                                          {GLFW_KEY_F6, Key::F6},
+                                         {GLFW_KEY_F7, Key::F7},
                                          {GLFW_KEY_F12, Key::F12},
                                          {GLFW_KEY_ESCAPE, Key::Escape}};
 
@@ -356,7 +357,7 @@ private:
             terrain_.shapes().shape({static_cast<std::uint32_t>(brush_.shape)}).name.c_str(), rule_name(brush_.rule),
             brush_.digs ? "down" : "up", brush_.radius_m, title_of(shows_).c_str(),
             shows_help_ ? "WASD QE move, right button looks, left stamps, wheel radius, 1-9 [ ] stamp, X "
-                          "sign, R rule, G walk, T teleport, Ctrl+Z undo, F2 map, F3 F4 F6 detail, F12 picture, Esc"
+                          "sign, R rule, G walk, T teleport, Ctrl+Z undo, F2 map, F3 F4 F6 F7 detail, F12 picture, Esc"
                         : "F1 help");
         glfwSetWindowTitle(window_, line);
     }

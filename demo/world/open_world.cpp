@@ -38,6 +38,7 @@ std::string key_in(const std::string& message, const TerrainPart& terrain) {
     const std::string& folder = terrain.settings.world.folder;
     if (!folder.empty() && message.starts_with(folder)) return terrain.lines.contains("store") ? "store" : "--store";
     if (message.starts_with("detail.backend")) return terrain.lines.contains("backend") ? "backend" : "--backend";
+    if (message.starts_with("detail.phong")) return "phong";
     for (const Renamed& renamed : kRenamed)
         if (terrain.lines.contains(renamed.key) && message.find(renamed.member) != std::string::npos)
             return renamed.key;

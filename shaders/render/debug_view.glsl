@@ -65,10 +65,8 @@ vec3 debug_backend_colour(vec3 position_m) {
 #ifdef RELIEF_MESH
 float debug_mesh_error_texels(vec3 position_m, vec2 fraction_m) {
     vec2 at = relief_texels(position_m.xz + fraction_m);
-    vec2 low = floor(at), t = at - low;
-    ivec2 texel = ivec2(low);
-    float exact_m = cell_height(relief_texel_m(texel), relief_texel_m(texel + ivec2(1, 0)),
-                                relief_texel_m(texel + ivec2(0, 1)), relief_texel_m(texel + ivec2(1)), t.x, t.y);
+    vec2 low = floor(at);
+    float exact_m = relief_cell_m(ivec2(low), at - low);
     float share = displaced_share(length(debug_base_m(position_m)));
     return abs(v_relief_m - share * exact_m) * u_relief_texels_per_m;
 }

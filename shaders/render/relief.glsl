@@ -11,6 +11,10 @@
 #define TILTH_RENDER_RELIEF
 #include "shared/clipmap_morph.glsl"
 
+#ifndef TILTH_PRECISE
+#define TILTH_PRECISE  // relief_mesh.glsl says more
+#endif
+
 uniform sampler2D u_relief_heights, u_relief_pyramid, u_relief_range;
 uniform int u_relief_size;            // texels a side, a power of two
 uniform ivec2 u_relief_base_texel;    // texel of the base post, 0 .. size - 1
@@ -20,8 +24,9 @@ uniform vec4 u_relief_fade_m;         // displaced relief is whole up to x, gone
 
 // 1 up to `from`, 0 from `to` on, smooth at both ends.
 float relief_fade(float distance_m, float from_m, float to_m) {
-    float t = clamp((to_m - distance_m) / (to_m - from_m), 0.0, 1.0);
-    return t * t * (3.0 - 2.0 * t);
+    TILTH_PRECISE float t = clamp((to_m - distance_m) / (to_m - from_m), 0.0, 1.0);
+    TILTH_PRECISE float whole = t * t * (3.0 - 2.0 * t);
+    return whole;
 }
 
 float relief_share(float distance_m) { return relief_fade(distance_m, u_relief_fade_m.z, u_relief_fade_m.w); }
@@ -36,6 +41,14 @@ ivec2 relief_wrapped(ivec2 texel) { return texel & (u_relief_size - 1); }
 
 // Metres of detail at a texel of the window.
 float relief_texel_m(ivec2 texel) { return texelFetch(u_relief_heights, relief_wrapped(texel), 0).r; }
+
+// The same at `t`, 0 to 1, in the cell that begins at `texel`, on the contract's triangles.
+float relief_cell_m(ivec2 texel, vec2 t) {
+    float h00 = relief_texel_m(texel), h10 = relief_texel_m(texel + ivec2(1, 0));
+    float h01 = relief_texel_m(texel + ivec2(0, 1)), h11 = relief_texel_m(texel + ivec2(1));
+    TILTH_PRECISE float height = cell_height(h00, h10, h01, h11, t.x, t.y);
+    return height;
+}
 
 // The window texel at metres from the base post.
 vec2 relief_texels(vec2 from_base_m) { return from_base_m * u_relief_texels_per_m + vec2(u_relief_base_texel); }

@@ -9,14 +9,13 @@
 #if __VERSION__ < 400 && defined(GL_ARB_gpu_shader5)
 #extension GL_ARB_gpu_shader5 : enable  // for `precise`; so this file comes before every declaration of a shader
 #endif
-#include "render/relief.glsl"
-#include "shared/clipmap_morph.glsl"
-
 #if __VERSION__ >= 400 || defined(GL_ARB_gpu_shader5)
 #define TILTH_PRECISE precise
 #else
 #define TILTH_PRECISE
 #endif
+#include "render/relief.glsl"
+#include "shared/clipmap_morph.glsl"
 
 uniform int u_relief_mark_level;  // of the pyramid: nodes two posts wide, as far as there are such
 
@@ -29,13 +28,9 @@ float relief_point_m(ivec2 n, int f) {
     ivec2 lifted = n * u_relief_per_post + ivec2(f * kReliefLift);
     ivec2 texel = lifted / f, rest = lifted - texel * f;
     texel += u_relief_base_texel;
-    float h00 = relief_texel_m(texel);
-    if (rest == ivec2(0)) return h00;
-    float h11 = relief_texel_m(texel + ivec2(1));
+    if (rest == ivec2(0)) return relief_texel_m(texel);
     TILTH_PRECISE vec2 t = vec2(rest) / float(f);
-    float h10 = relief_texel_m(texel + ivec2(1, 0)), h01 = relief_texel_m(texel + ivec2(0, 1));
-    TILTH_PRECISE float height = cell_height(h00, h10, h01, h11, t.x, t.y);
-    return height;
+    return relief_cell_m(texel, t);
 }
 
 // What the surface stands at, metres from the eye, from where it stood without relief.

@@ -64,9 +64,9 @@ vec2 slope_here() {
 }
 
 // A ring on the ground: as wide as 3 % of the radius, at least two pixels, with soft edges.
-float cursor_cover() {
-    float distance_m = length(v_position_m.xz - u_cursor_m.xy);
-    float pixel_m = fwidth(distance_m);
+float cursor_cover(vec2 ground_m) {
+    float pixel_m = fwidth(length(v_position_m.xz - u_cursor_m.xy));  // of the surface that is rasterised: it has no jumps
+    float distance_m = length(ground_m - u_cursor_m.xy);
     float half_width_m = max(0.015 * u_cursor_m.z, pixel_m);
     return clamp((half_width_m - abs(distance_m - u_cursor_m.z)) / max(pixel_m, 1e-6) + 0.5, 0.0, 1.0);
 }
@@ -94,7 +94,7 @@ void main() {
     p.normal = normalize(vec3(-p.slope.x, 1.0, -p.slope.y));
     p.tint_height = position_m.y * u_eye_tint.x + u_eye_tint.y;
     vec3 shaded = shade(p);
-    if (u_cursor_m.z > 0.0) shaded = mix(shaded, u_cursor_colour, 0.9 * cursor_cover());
+    if (u_cursor_m.z > 0.0) shaded = mix(shaded, u_cursor_colour, 0.9 * cursor_cover(position_m.xz));
 #ifdef DEBUG_VIEW
 #ifdef PARALLAX
     shaded = debug_colour(v_position_m, v_level, u_fraction_m, shaded, traced);

@@ -159,7 +159,8 @@ Result<DetailView> DetailStage::view_from(WorldPos eye, const DetailSettings& se
     if (!relief_) relief_ = std::make_unique<ReliefStage>(device_, shaders_, ground_, *cache_, *textures_, slopes_);
     const GridSpec& posts = ground_.map(MapKind::Coarse).grid;
     const std::int32_t size =
-        relief_reach(clipmap_, posts.spacing_m, ground_.settings().texels_per_post, settings.reach).window_texels;
+        relief_reach(clipmap_, posts.spacing_m, ground_.settings().texels_per_post, settings.reach, view.reach_m)
+            .window_texels;
     Result<ReliefView> relief = relief_->update(eye, size, stats);
     if (!relief) return relief.error();
     view.relief = *relief;

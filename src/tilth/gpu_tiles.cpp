@@ -10,9 +10,12 @@
 #include "tilth/gl/stage_clock.h"
 #include "tilth/ground/stamp_range.h"
 #include "tilth/pool/gl_rect.h"
+#include "tilth/world/texel_rects.h"
 
 namespace tilth {
 namespace {
+
+constexpr std::size_t kMostChanges = 1024;
 
 /// One plane of the codes of `rect`, row by row, to memory that must be written once and front to back.
 void write_plane(const DetailField& field, const TexelRect& rect, std::uint32_t shift, std::uint16_t* out) {
@@ -124,7 +127,19 @@ void GpuTiles::note_changes(bool on) {
     changes_.clear();
 }
 
-std::vector<TexelRect> GpuTiles::take_changes() { return std::exchange(changes_, {}); }
+void GpuTiles::note(const TexelRect& rect) {
+    if (!notes_changes_) return;
+    if (changes_.size() >= std::max(most_changes_, kMostChanges)) {  // nobody asked for a while
+        changes_ = disjoint(changes_);
+        most_changes_ = 2 * changes_.size();
+    }
+    changes_.push_back(rect);
+}
+
+std::vector<TexelRect> GpuTiles::take_changes() {
+    most_changes_ = 0;
+    return std::exchange(changes_, {});
+}
 
 // ---- codes from the CPU ----
 

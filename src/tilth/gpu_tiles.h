@@ -122,9 +122,7 @@ private:
     /// With `slopes` those that read the part as well, computed from the field.
     bool fill_through_ring(Tile& tile, const TexelRect& part, const DetailField& field, bool slopes);
     void fill_at_once(Tile& tile, const TexelRect& part, const DetailField& field, bool slopes);
-    void note(const TexelRect& rect) {
-        if (notes_changes_) changes_.push_back(rect);
-    }
+    void note(const TexelRect& rect);
     void note_codes(Tile& tile, const TexelRect& part, const DetailField& field);
     /// What slopes of `stale` read of the tile.
     [[nodiscard]] TexelRect read_by(const TexelRect& stale, const TileSet& set) const;
@@ -147,6 +145,7 @@ private:
     GatheredCodes gathered_;
     std::vector<std::uint32_t> arrived_;
     std::vector<TexelRect> changes_;
+    std::size_t most_changes_ = 0;  ///< then they are joined
     bool notes_changes_ = false;
     bool refused_ = false;  ///< what the driver refused is in the log
     gl::FrameStats unwanted_;

@@ -61,7 +61,10 @@ Result<ReliefView> ReliefStage::update(WorldPos eye, std::int32_t size, gl::Fram
 
     const MapGeometry& map = ground_->map(MapKind::Detail);
     const PostPos at = map.grid.posts(eye);
-    const auto texel = [](double t) { return static_cast<std::int32_t>(std::floor(std::clamp(t, -1e9, 1e9))); };
+    // What is no number is refused by the renderer, after this.
+    const auto texel = [](double t) {
+        return std::isnan(t) ? 0 : static_cast<std::int32_t>(std::floor(std::clamp(t, -1e9, 1e9)));
+    };
     const TexelRect square = relief_square({texel(at.x), texel(at.z)}, size, kReliefStep);
     std::vector<Source> sources = sources_in(square);
 
@@ -80,6 +83,8 @@ Result<ReliefView> ReliefStage::update(WorldPos eye, std::int32_t size, gl::Fram
         note_missing(sources, sources_);
         note_missing(sources_, sources);
     }
+    if (all_stale_) changed.assign(1, square);
+    all_stale_ = false;
     square_ = square;
     sources_ = std::move(sources);
 
@@ -89,8 +94,11 @@ Result<ReliefView> ReliefStage::update(WorldPos eye, std::int32_t size, gl::Fram
         from.push_back({&set->planes, &set->slopes, cache_->grid().inside(source.tile)});
     }
     pass_->run(changed, square, from, *window_, stats.derive);
-    return ReliefView{
-        .window = &*window_, .bounds = this, .square = square, .code_quantum_m = map.codec.code_quantum_m()};
+    return ReliefView{.window = &*window_,
+                      .bounds = this,
+                      .square = square,
+                      .code_quantum_m = map.codec.code_quantum_m(),
+                      .extremes = query(square)};
 }
 
 // ---- where there is detail ----
@@ -114,6 +122,9 @@ CodeRange ReliefStage::query(const TexelRect& rect) const {
     return all;
 }
 
-Result<void> ReliefStage::reload(gl::ShaderLibrary& shaders) { return pass_ ? pass_->reload(shaders) : Result<void>(); }
+Result<void> ReliefStage::reload(gl::ShaderLibrary& shaders) {
+    all_stale_ = true;  // by the new shaders
+    return pass_ ? pass_->reload(shaders) : Result<void>();
+}
 
 }  // namespace tilth

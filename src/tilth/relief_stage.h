@@ -60,7 +60,8 @@ private:
     SlopeFormat slopes_;
     std::optional<ReliefPass> pass_;
     std::optional<ReliefWindow> window_;
-    std::optional<TexelRect> square_;                ///< what the window shows; empty: nothing yet
+    std::optional<TexelRect> square_;  ///< what the window shows; empty: nothing yet
+    bool all_stale_ = false;
     std::vector<Source> sources_;                    ///< of it
     mutable std::map<PageIndex, CodeRange> ranges_;  ///< of pages of the field, as far as somebody asked
 };

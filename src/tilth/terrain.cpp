@@ -18,6 +18,7 @@
 #include "tilth/ground/apply_edit.h"
 #include "tilth/ground/before_image.h"
 #include "tilth/ground/raycast.h"
+#include "tilth/render/relief_reach.h"
 #include "tilth/render/terrain_renderer.h"
 #include "tilth/store/editor.h"
 #include "tilth/store/world_folder.h"
@@ -34,6 +35,18 @@ struct GpuStages {
     std::optional<TerrainRenderer> renderer;
     std::unique_ptr<DetailStage> detail;  ///< worlds with a detail map
 };
+
+/// Whether there is ground about the eye in which a backend can show relief.
+Result<void> has_room(const TerrainSettings& terrain, const DetailSettings& detail) {
+    if (detail.backend == DetailBackend::None || !terrain.ground.detail || !check_clipmap(terrain.clipmap)) return {};
+    const std::int32_t texels = terrain.ground.texels_per_post;
+    if (relief_reach(terrain.clipmap, 1, texels, detail.reach, 1e9).reach_m >= 1) return {};
+    return Error{
+        ErrorCode::InvalidArgument,
+        text("detail.backend: ", name_of(detail.backend), " has not even a post about the eye to show relief in, with ",
+             texels, " texels a post and clipmap { n = ", terrain.clipmap.n, ", blend = ", terrain.clipmap.blend,
+             " }; take fewer texels a post, a larger n or a smaller blend")};
+}
 
 /// Whether a context has what a way of showing detail takes.
 Result<void> can_show(const gl::Capabilities& capabilities, const DetailSettings& settings) {
@@ -197,6 +210,7 @@ Result<std::unique_ptr<Terrain>> Terrain::create(std::shared_ptr<const HeightSou
     auto impl = std::make_unique<Impl>();
     impl->settings = settings;
     if (const Result<void> checked = check_detail(settings.detail); !checked) return checked.error();
+    if (const Result<void> fits = has_room(settings, settings.detail); !fits) return fits.error();
     Result<std::unique_ptr<Ground>> ground = Ground::create(std::move(source), settings.ground);
     if (!ground) return ground.error();
     impl->ground = std::move(*ground);
@@ -394,7 +408,7 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
         gpu.detail->set_default_viewer(eye);
         // The relief window has framebuffers of its own: what the host has bound is put back before it is drawn to.
         std::optional<gl::StateGuard> guard;
-        if (settings.backend != DetailBackend::None) guard.emplace(*gpu.device);
+        if (settings.backend != DetailBackend::None && gpu.detail->uses_gl()) guard.emplace(*gpu.device);
         Result<DetailView> shown = gpu.detail->view_from(eye, settings, impl_->frame);
         if (!shown) return shown.error();
         detail = std::move(*shown);
@@ -407,6 +421,7 @@ Result<void> Terrain::draw(const View& view, const Shading& shading, const Brush
 
 Result<void> Terrain::set_detail(const DetailSettings& settings) {
     if (const Result<void> checked = check_detail(settings); !checked) return checked.error();
+    if (const Result<void> fits = has_room(impl_->settings, settings); !fits) return fits.error();
     if (impl_->gpu)
         if (const Result<void> able = can_show(impl_->gpu->device->capabilities(), settings); !able)
             return able.error();

@@ -204,7 +204,9 @@ public:
     /// depth test, culling and masks are set here. Colours are linear RGB; GL encodes them where the host enabled
     /// GL_FRAMEBUFFER_SRGB. Near the eye the detail map's slopes are added for shading, and its heights are shown as
     /// `set_detail` says. Fails without GL, with settings
-    /// out of range, and with no complete framebuffer bound. 0 x 0 pixels draw nothing.
+    /// out of range, with no complete framebuffer bound, and where a backend's programs or textures cannot be made
+    /// (ShaderCompile, OutOfMemory): nothing is drawn then, and it is tried again, until `set_detail` takes another. 0
+    /// x 0 pixels draw nothing.
     Result<void> draw(const View& view, const Shading& shading, const BrushCursor* cursor = nullptr);
 
     /// How fine detail is shown from the next `draw` on: backend, method, knobs. At any time, from any of them to any

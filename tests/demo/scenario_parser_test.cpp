@@ -120,8 +120,11 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(scenario->terrain.settings.clipmap.levels, 4);
     EXPECT_EQ(scenario->terrain.settings.clipmap.blend, 0.2);
     EXPECT_EQ(scenario->terrain.settings.clipmap.refine_above_px, 2.5);
-    EXPECT_EQ(scenario->view.shown, (ShownDetail{DetailBackend::Hybrid, DetailPreset::Exact, DebugView::Off}));
-    EXPECT_EQ(scenario->terrain.settings.detail, detail_preset(DetailBackend::Hybrid, DetailPreset::Exact));
+    EXPECT_EQ(scenario->view.shown, (ShownDetail{DetailBackend::Hybrid, DetailPreset::Exact, DebugView::Off, true}));
+    DetailSettings curved = detail_preset(DetailBackend::Hybrid, DetailPreset::Exact);
+    EXPECT_FALSE(curved.phong.on) << "no preset asks for it";
+    curved.phong.on = true;
+    EXPECT_EQ(scenario->terrain.settings.detail, curved);
     EXPECT_EQ(scenario->view.ambient, 0.5);
     EXPECT_EQ(scenario->view.diffuse, 1.25);
     EXPECT_EQ(scenario->view.width, 320);
@@ -130,7 +133,7 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(world.folder, TILTH_SOURCE_DIR "/tests/demo/world") << "beside the scenario";
     EXPECT_EQ(world.options.flush.when, FlushPolicy::When::Every);
     EXPECT_EQ(world.options.flush.interval_ms, 2.5);
-    ASSERT_EQ(scenario->steps.size(), 24u);
+    ASSERT_EQ(scenario->steps.size(), 26u);
     EXPECT_EQ(std::get<CameraStep>(scenario->steps[1].action).above_ground_m, 2.0);
     const auto& stamp = std::get<StampStep>(scenario->steps[2].action);
     EXPECT_EQ(stamp.request.centre, (WorldPos{1e7 + 20, -1e7 + 20}));
@@ -161,8 +164,12 @@ TEST(ReadScenario, EveryKeyOfTheFormIsUnderstood) {
     EXPECT_EQ(show.preset, DetailPreset::High);
     EXPECT_EQ(show.debug, DebugView::Fetches);
     const auto& off = std::get<ShowStep>(scenario->steps[23].action);
-    EXPECT_FALSE(off.backend || off.preset) << "what is absent stays as it was";
+    EXPECT_FALSE(off.backend || off.preset || off.phong) << "what is absent stays as it was";
     EXPECT_EQ(off.debug, DebugView::Off);
+    const auto& phong = std::get<ShowStep>(scenario->steps[24].action);
+    EXPECT_EQ(phong.phong, true);
+    EXPECT_FALSE(phong.backend || phong.preset || phong.debug);
+    EXPECT_EQ(std::get<ShowStep>(scenario->steps[25].action).phong, false);
 }
 
 TEST(ReadScenario, LightAndRefinementAreTheLibrarysUnlessGiven) {
@@ -215,12 +222,26 @@ TEST(ReadScenario, EveryBackendPresetAndDebugViewHasItsWord) {
         }
 }
 
+TEST(ShowStep, WhatIsAbsentStays) {
+    const ShownDetail before{DetailBackend::Hybrid, DetailPreset::Exact, DebugView::Level, true};
+    EXPECT_EQ(shown_after(before, {}), before);
+    EXPECT_EQ(shown_after(before, {.backend = DetailBackend::None}),
+              (ShownDetail{DetailBackend::None, DetailPreset::Exact, DebugView::Level, true}));
+    EXPECT_EQ(shown_after(before, {.preset = DetailPreset::Low, .debug = DebugView::Off}),
+              (ShownDetail{DetailBackend::Hybrid, DetailPreset::Low, DebugView::Off, true}));
+    EXPECT_EQ(shown_after(before, {.phong = false}),
+              (ShownDetail{DetailBackend::Hybrid, DetailPreset::Exact, DebugView::Level, false}));
+    EXPECT_TRUE(settings_of(before).phong.on);
+    EXPECT_FALSE(settings_of({}).phong.on);
+}
+
 TEST(ReadScenario, DetailIsSlopesAloneUnlessAskedFor) {
     Problems problems;
     const auto plain = parsed("[view]\nfov = 50\n", problems), bare = parsed("", problems);
     ASSERT_TRUE(plain && bare) << problems.report("F");
     EXPECT_EQ(plain->terrain.settings.detail.backend, DetailBackend::None);
     EXPECT_EQ(plain->terrain.settings.detail.debug_view, DebugView::Off);
+    EXPECT_FALSE(plain->terrain.settings.detail.phong.on);
     EXPECT_EQ(bare->terrain.settings.detail.backend, DetailBackend::None);
 }
 

@@ -108,22 +108,27 @@ TEST(Commands, KeysOfTheDetail) {
     EXPECT_EQ(after({}, {Key::F4}).preset, DetailPreset::High);
     EXPECT_EQ(after({}, {Key::F6}).debug, DebugView::Wireframe);
     EXPECT_EQ(after({}, {Key::F6}, {Key::Shift}).debug, DebugView::Error);
-    EXPECT_EQ(after({}, {}, {Key::F3, Key::F4, Key::F6}), ShownDetail{}) << "a key that is held down counts once";
+    EXPECT_EQ(after({}, {}, {Key::F3, Key::F4, Key::F6, Key::F7}), ShownDetail{})
+        << "a key that is held down counts once";
+    EXPECT_TRUE(after({}, {Key::F7}).phong);
+    EXPECT_TRUE(after({.phong = true}, {Key::F3, Key::F4, Key::F6}).phong) << "another backend keeps it";
     ShownDetail shown;
     for (int i = 0; i < 5; ++i) shown = after(shown, {Key::F3});
     for (int i = 0; i < 4; ++i) shown = after(shown, {Key::F4});
     for (int i = 0; i < 7; ++i) shown = after(shown, {Key::F6});
+    for (int i = 0; i < 2; ++i) shown = after(shown, {Key::F7});
     EXPECT_EQ(shown, ShownDetail{}) << "round";
     EXPECT_EQ(title_of({DetailBackend::Hybrid, DetailPreset::High}), "hybrid high");
     EXPECT_EQ(title_of({DetailBackend::None, DetailPreset::Low, DebugView::Fetches}), "none low, shows fetches");
-    for (const char* key : {"F3 ", "F4 ", "F6 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
+    EXPECT_EQ(title_of({.phong = true}), "none medium, phong");
+    for (const char* key : {"F3 ", "F4 ", "F6 ", "F7 "}) EXPECT_NE(help_text().find(key), std::string::npos) << key;
 }
 
 TEST(Commands, TheScriptUsesEveryKindOfCommand) {
     bool moves = false, looks = false, stamps = false, drags = false, helps = false, shoots = false, quits = false;
     bool maps = false, walks = false, teleports = false, undoes = false, redoes = false, saves = false;
     ShownDetail shown;
-    for (long frame = 0; frame < 21; ++frame) {
+    for (long frame = 0; frame < 22; ++frame) {
         const Commands c = commands_of(scripted_input(frame), 1);
         moves |= c.move.z != 0, looks |= c.yaw_rad != 0, stamps |= c.stamp, drags |= c.drag;
         helps |= c.help, shoots |= c.screenshot, quits |= c.quit;
@@ -135,6 +140,7 @@ TEST(Commands, TheScriptUsesEveryKindOfCommand) {
     EXPECT_TRUE(undoes && redoes && saves);
     EXPECT_TRUE(shown.backend != DetailBackend::None && shown.preset != DetailPreset::Medium);
     EXPECT_NE(shown.debug, DebugView::Off);
+    EXPECT_TRUE(shown.phong);
     EXPECT_FALSE(quits) << "--frames ends it";
 }
 

@@ -22,6 +22,14 @@ io::Rgb8Picture picture_of(const std::vector<std::uint8_t>& rgba, int width, int
     return picture;
 }
 
+/// Of a picture by `DebugView::Backend`: pixels more green (traced) than red (displaced).
+double share_traced(const io::Rgb8Picture& picture) {
+    std::size_t traced = 0;
+    for (std::size_t i = 0; i < picture.pixels.size(); i += 3)
+        traced += picture.pixels[i + 1] > picture.pixels[i] ? 1 : 0;
+    return 3.0 * double(traced) / double(picture.pixels.size());
+}
+
 TEST_P(BootGoldenGlTest, LooksAsAccepted) {
     ReliefWorld world(std::make_shared<FlatSource>(257, 0.0), {.tile_size = 2048});
     world.print({13.6, 12.83}, 0.5);
@@ -30,6 +38,8 @@ TEST_P(BootGoldenGlTest, LooksAsAccepted) {
     view.fov_y_rad = 0.15;  // the print fills the picture
     DetailSettings settings = detail_preset(GetParam(), DetailPreset::Exact);
     settings.parallax.shadow_steps = 0;
+    // Hybrid: whole triangles up to a metre, none from two and a half on, so that the print is in the blend.
+    settings.tessellated = 0.1, settings.blend = 0.15;
     std::string why;
     if (!world.show(settings, &why)) GTEST_SKIP() << why;
     const Target target(view.width, view.height);
@@ -49,6 +59,14 @@ TEST_P(BootGoldenGlTest, LooksAsAccepted) {
                           << leave_side_by_side(folder, name, actual, *expected)
                           << "\nIf the new one is right, golden/README.md says how to accept it.";
     if (GetParam() == DetailBackend::None) return;
+    if (GetParam() == DetailBackend::Hybrid) {
+        // The picture is that of triangles up to the tolerance: who drew it, the debug view tells.
+        settings.debug_view = DebugView::Backend;
+        ASSERT_TRUE(world.show(settings, &why)) << why;
+        const io::Rgb8Picture who = picture_of(world.draw(target, view).rgba, view.width, view.height);
+        EXPECT_GT(share_traced(who), 0.9)
+            << "the print is traced more than displaced:" << leave_side_by_side(folder, name + "_who", who, who);
+    }
     const auto none = io::read_png_rgb8(TILTH_SOURCE_DIR "/tests/render/golden/boot_none.png");
     ASSERT_TRUE(none) << none.error().message;
     EXPECT_FALSE(alike(distance_between(actual, *none))) << name << " cannot be told from slopes alone";

@@ -18,16 +18,18 @@ TEST(RefinementChain, SmallestStepsToTheLargestDivisor) {
     EXPECT_EQ(refinement_chain(5, 16), (Chain{1, 5}));
     EXPECT_EQ(refinement_chain(6, 16), (Chain{1, 2, 6}));
     EXPECT_EQ(refinement_chain(8, 16), (Chain{1, 2, 4, 8}));
-    EXPECT_EQ(refinement_chain(11, 16), (Chain{1}));
+    EXPECT_EQ(refinement_chain(11, 16), (Chain{1, 2, 4, 8}));
     EXPECT_EQ(refinement_chain(12, 16), (Chain{1, 2, 6}));
     EXPECT_EQ(refinement_chain(16, 16), (Chain{1, 2, 4, 8}));
     EXPECT_EQ(refinement_chain(16, 4), (Chain{1, 2, 4}));
     EXPECT_EQ(refinement_chain(6, 4), (Chain{1, 3}));
-    EXPECT_EQ(refinement_chain(3, 2), (Chain{1}));
+    EXPECT_EQ(refinement_chain(3, 2), (Chain{1, 2}));
+    EXPECT_EQ(refinement_chain(9, 16), (Chain{1, 2, 4, 8}));
+    EXPECT_EQ(refinement_chain(22, 5), (Chain{1, 2, 4}));
 }
 
-// For every map and every setting: from 1, each divides the next, the last divides the texels and is as large as may
-// be.
+// For every map and every setting: from 1, each divides the next; the last divides the texels and is as large as may
+// be, or no divisor is more than half of that and it is the largest power of two.
 TEST(RefinementChain, IsNestedAndEndsAsHighAsItMay) {
     for (std::int32_t texels = 1; texels <= 64; ++texels) {
         for (std::int32_t most = 1; most <= 64; ++most) {
@@ -39,10 +41,16 @@ TEST(RefinementChain, IsNestedAndEndsAsHighAsItMay) {
                 EXPECT_GT(chain[i], chain[i - 1]);
                 EXPECT_EQ(chain[i] % chain[i - 1], 0);
             }
-            EXPECT_EQ(texels % chain.back(), 0);
-            EXPECT_LE(chain.back(), std::min(most, kMostGeometryFactor));
-            for (std::int32_t larger = chain.back() + 1; larger <= std::min(most, kMostGeometryFactor); ++larger)
-                EXPECT_NE(texels % larger, 0) << larger << " divides " << texels;
+            const std::int32_t wanted = std::min({most, kMostGeometryFactor, texels});
+            EXPECT_LE(chain.back(), wanted);
+            EXPECT_GT(2 * chain.back(), wanted) << texels << ", " << most;
+            if (texels % chain.back() == 0) {
+                for (std::int32_t larger = chain.back() + 1; larger <= wanted; ++larger)
+                    EXPECT_NE(texels % larger, 0) << larger << " divides " << texels;
+            } else {
+                for (std::int32_t divisor = wanted / 2 + 1; divisor <= wanted; ++divisor)
+                    EXPECT_NE(texels % divisor, 0) << divisor << " divides " << texels;
+            }
         }
     }
 }
@@ -58,13 +66,14 @@ TEST(GeometryPlan, DeclaresWhatTheMapNeeds) {
     const struct {
         std::int32_t texels_per_post;
         const char *factor, *vertices;
-    } cases[] = {{1, "1", "3"}, {3, "3", "15"}, {4, "4", "24"}, {11, "1", "3"}, {16, "8", "80"}};
+    } cases[] = {{1, "1", "3"}, {3, "3", "15"}, {4, "4", "24"}, {9, "8", "80"}, {16, "8", "80"}};
     const DetailSettings settings{.backend = DetailBackend::Geometry};
     for (const auto& c : cases) {
         const BackendPlan plan =
             plan_geometry({.settings = settings, .reach_m = 40, .texels_per_post = c.texels_per_post});
         ASSERT_EQ(plan.recipes.size(), 1u);
-        const gl::Features expected{{"RELIEF_MESH", "1"}, {"MAX_FACTOR", c.factor}, {"MAX_VERTICES", c.vertices}};
+        gl::Features expected{{"RELIEF_MESH", "1"}, {"MAX_FACTOR", c.factor}, {"MAX_VERTICES", c.vertices}};
+        if (c.texels_per_post == 9) expected.emplace_back("BETWEEN_TEXELS", "1");
         EXPECT_EQ(plan.recipes[0].features, expected) << c.texels_per_post;
         EXPECT_EQ(plan.recipes[0].stages.geometry, "render/geometry/refine.geom");
         EXPECT_TRUE(plan.recipes[0].displaces);

@@ -427,6 +427,180 @@ TEST_F(TerrainTest, BadSettingsAreRefusedByTheFieldsName) {
     EXPECT_NE(refusal([](TerrainSettings& s) { s.shader_folder = "/nowhere"; }), "accepted");
 }
 
+// Every way in which detail is shown, while stamps fall and the window moves: programs and textures are made,
+// framebuffers bound, polygon mode and patches set.
+TEST_F(TerrainTest, NoDetailBackendLeavesATraceInTheHostsState) {
+    const gl::Api& gl = device().gl();
+    test::Target host(64, 64);
+    host.bind();
+    gl.Viewport(3, 4, 50, 40);
+    gl.Enable(GL_BLEND);
+    gl.Enable(GL_SCISSOR_TEST);
+    gl.Scissor(1, 2, 30, 20);
+    gl.ColorMask(GL_TRUE, GL_FALSE, GL_TRUE, GL_FALSE);
+    gl.PixelStorei(GL_UNPACK_ROW_LENGTH, 77);
+    gl.ActiveTexture(GL_TEXTURE3);
+    host.colour().bind(3);
+    gl.CullFace(GL_FRONT);
+    gl.DepthFunc(GL_GEQUAL);
+    gl.DepthMask(GL_FALSE);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_POINT);
+    const bool tessellates = device().capabilities().tessellation;
+    if (tessellates) gl.PatchParameteri(GL_PATCH_VERTICES, 7);
+
+    const test::GlState before = test::capture_state(device());
+    const auto unchanged = [&](const std::string& call) {
+        const std::string changed = test::difference(before, test::capture_state(device()));
+        EXPECT_EQ(changed, "") << "by " << call;
+        for (const gl::DebugMessage& message : device().take_debug_messages())
+            ADD_FAILURE() << call << ": GL message " << message.text;
+    };
+    const struct {
+        DebugView debug;
+        bool phong;
+    } looks[] = {{DebugView::Off, false}, {DebugView::Wireframe, true}, {DebugView::Off, false}};
+    for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {
+        TerrainSettings made = settings(executor);
+        made.ground.spacing_m = 0.1;
+        made.ground.tile_size = 256;
+        made.clipmap = {.n = 63, .levels = 3};
+        const std::unique_ptr<Terrain> ground =
+            test::value(Terrain::create(std::make_shared<FlatSource>(257, 0.0), made, get_proc()));
+        int frame = 0;
+        for (const DetailBackend backend : {DetailBackend::Parallax, DetailBackend::Geometry,
+                                            DetailBackend::Tessellation, DetailBackend::Hybrid, DetailBackend::None})
+            for (const auto& [debug, phong] : looks) {
+                if (phong && executor == ExecutorKind::Cpu) continue;  // the same programs again
+                DetailSettings shown = detail_preset(backend, DetailPreset::High);
+                shown.debug_view = debug;
+                shown.phong.on = phong;
+                const bool needs_gl4 =
+                    phong || backend == DetailBackend::Tessellation || backend == DetailBackend::Hybrid;
+                if (needs_gl4 && !tessellates) continue;
+                const std::string name = std::string(name_of(backend)) + ", debug view " +
+                                         std::to_string(static_cast<int>(debug)) + (phong ? ", phong" : "");
+                ASSERT_TRUE(ground->set_detail(shown)) << name;
+                unchanged("set_detail: " + name);
+                // Half a metre on, over tiles' borders and over the window's step.
+                const WorldPos eye{4 + 0.45 * frame, 8.4 + 0.2 * frame};
+                ground->set_viewers({&eye, 1});
+                for (const double off : {0.0, 0.6})
+                    ASSERT_TRUE(ground->stamp({.centre = {eye.x + off, eye.z},
+                                               .radius_m = 0.4,
+                                               .amplitude_m = -0.1,
+                                               .map = MapChoice::Detail}));
+                ASSERT_TRUE(ground->update(0));
+                ASSERT_TRUE(ground->drain());
+                const View down{.eye = {eye.x, 2, eye.z},
+                                .forward = {0.5, -1, 0.1},
+                                .width = 64,
+                                .height = 64,
+                                .near_m = 0.1,
+                                .far_m = 100};
+                ASSERT_TRUE(ground->draw(down, {})) << name;
+                unchanged("draw: " + name);
+                if (backend != DetailBackend::None) {
+                    EXPECT_GT(ground->last_frame().derive.passes, 0u) << name << ": the window was filled";
+                }
+                if (++frame == 5) {
+                    ASSERT_TRUE(ground->reload_shaders());
+                    unchanged("reload_shaders");
+                }
+            }
+        EXPECT_GE(frame, tessellates ? 10 : 6);
+    }
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_SCISSOR_TEST);
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    gl.CullFace(GL_BACK);
+    gl.DepthFunc(GL_LESS);
+    gl.DepthMask(GL_TRUE);
+    gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    if (tessellates) gl.PatchParameteri(GL_PATCH_VERTICES, 3);
+}
+
+TEST_F(TerrainTest, DetailSettingsOutOfRangeAreRefusedByTheFieldsNameAndChangeNothing) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Cpu);
+    DetailSettings good = detail_preset(DetailBackend::Geometry, DetailPreset::High);
+    good.reach = 0.7;
+    ASSERT_TRUE(ground->set_detail(good));
+    using Change = void (*)(DetailSettings&, double);
+    const struct {
+        const char* field;
+        double least, most;  ///< allowed
+        double below, above;
+        Change set;
+    } fields[] = {
+        {"parallax.steps", 1, 256, 0, 257,
+         [](DetailSettings& s, double v) { s.parallax.steps = static_cast<std::int32_t>(v); }},
+        {"parallax.shadow_steps", 0, 64, -1, 65,
+         [](DetailSettings& s, double v) { s.parallax.shadow_steps = static_cast<std::int32_t>(v); }},
+        {"parallax.least_elevation_rad", 0.1 * M_PI / 180, 45 * M_PI / 180, 0.09 * M_PI / 180, 45.1 * M_PI / 180,
+         [](DetailSettings& s, double v) { s.parallax.least_elevation_rad = v; }},
+        {"parallax.range.lowest_m", -8, 0, -8.01, 0.01,
+         [](DetailSettings& s, double v) {
+             s.parallax.range = ParallaxSettings::Range{v, 1};
+         }},
+        {"parallax.range.highest_m", 0, 8, -0.01, 8.01,
+         [](DetailSettings& s, double v) {
+             s.parallax.range = ParallaxSettings::Range{-1, v};
+         }},
+        {"refinement.most_factor", 1, 64, 0, 65,
+         [](DetailSettings& s, double v) { s.refinement.most_factor = static_cast<std::int32_t>(v); }},
+        {"refinement.edge_px", 0.5, 64, 0.49, 64.1, [](DetailSettings& s, double v) { s.refinement.edge_px = v; }},
+        {"phong.shape", 0, 1, -0.01, 1.01, [](DetailSettings& s, double v) { s.phong.shape = v; }},
+        {"phong.most_factor", 1, 16, 0, 17,
+         [](DetailSettings& s, double v) { s.phong.most_factor = static_cast<std::int32_t>(v); }},
+        {"phong.edge_px", 0.5, 64, 0.49, 64.1, [](DetailSettings& s, double v) { s.phong.edge_px = v; }},
+        {"reach", 0.05, 1, 0.04, 1.01, [](DetailSettings& s, double v) { s.reach = v; }},
+        {"tessellated", 0.05, 0.9, 0.04, 0.91, [](DetailSettings& s, double v) { s.tessellated = v; }},
+        {"blend", 0.02, 0.5, 0.01, 0.51, [](DetailSettings& s, double v) { s.blend = v; }}};
+    for (const auto& f : fields) {
+        for (const double v : {f.least, f.most}) {
+            DetailSettings edge = good;
+            f.set(edge, v);
+            const Result<void> set = ground->set_detail(edge);
+            EXPECT_TRUE(set) << f.field << " = " << v << ": " << (set ? "" : set.error().message);
+        }
+        ASSERT_TRUE(ground->set_detail(good));
+        std::vector<double> bad{f.below, f.above};
+        const std::string field = f.field;
+        if (field.find("steps") == field.npos && field.find("factor") == field.npos)
+            bad.insert(bad.end(), {std::nan(""), INFINITY, -INFINITY});
+        for (const double v : bad) {
+            DetailSettings wrong = good;
+            f.set(wrong, v);
+            const Result<void> set = ground->set_detail(wrong);
+            ASSERT_FALSE(set) << f.field << " = " << v;
+            EXPECT_EQ(set.error().code, ErrorCode::InvalidArgument);
+            EXPECT_EQ(set.error().message.rfind("detail." + field + " is ", 0), 0u) << set.error().message;
+            EXPECT_EQ(ground->detail(), good) << f.field;
+            TerrainSettings made = settings(ExecutorKind::Cpu);
+            made.detail = wrong;
+            const auto refused = Terrain::create(std::make_shared<FlatSource>(33, 0.0), made, get_proc());
+            ASSERT_FALSE(refused) << f.field << " = " << v;
+            EXPECT_NE(refused.error().message.find(field), std::string::npos) << refused.error().message;
+        }
+    }
+}
+
+// Values that no enumerator has, as a host may read them from a file.
+TEST_F(TerrainTest, DetailSettingsThatNameNothingAreRefused) {
+    const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Cpu);
+    const auto refused = [&](const char* field, auto change) {
+        DetailSettings wrong;
+        change(wrong);
+        const Result<void> set = ground->set_detail(wrong);
+        ASSERT_FALSE(set) << field;
+        EXPECT_EQ(set.error().message.rfind(field, 0), 0u) << set.error().message;
+        EXPECT_EQ(ground->detail(), DetailSettings()) << field;
+    };
+    refused("detail.backend", [](DetailSettings& s) { s.backend = static_cast<DetailBackend>(5); });
+    refused("detail.parallax.method", [](DetailSettings& s) { s.parallax.method = static_cast<ParallaxMethod>(3); });
+    refused("detail.debug_view", [](DetailSettings& s) { s.debug_view = static_cast<DebugView>(7); });
+}
+
 // A tile that was dented while nobody was near arrives in an `update` that has nothing to stamp.
 TEST_F(TerrainTest, AnArrivalWithoutAStampLeavesTheHostsStateAsItWas) {
     for (const ExecutorKind executor : {ExecutorKind::Gpu, ExecutorKind::Cpu}) {

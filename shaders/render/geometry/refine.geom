@@ -3,9 +3,10 @@
 //   gives  what that shader gives without it: metres relative to the eye, the share of the next coarser level, level 0
 // Features: MAX_FACTOR, the largest factor of u_refine_chain; MAX_VERTICES = MAX_FACTOR (MAX_FACTOR + 2), by itself as
 // GLSL 3.30 takes no sum there. Hardware takes memory, and with it speed, by what is declared: no more than is needed.
+// BETWEEN_TEXELS: a factor does not divide the texels a post.
 // Uniforms of its own (beside those of terrain.vert and relief.glsl):
-//   ivec4 u_refine_chain             factors from 1 on, each divides the next and the last the texels a post; where
-//                                    there are less than four the last is repeated (backends/refinement_chain.h)
+//   ivec4 u_refine_chain             factors from 1 on, each divides the next; where there
+//                                    are less than four the last is repeated (backends/refinement_chain.h)
 //   float u_refine_px_per_radian     of the picture
 //   float u_refine_edge_px           edges are split until their parts are no longer than this; 0: always by the last
 //
@@ -46,6 +47,7 @@ flat in int r_marked[];
 out vec3 v_position_m;
 out float v_alpha;
 flat out int v_level;
+invariant gl_Position;  // edges are shared by blocks of different programs
 #ifdef DEBUG_VIEW
 out float v_relief_m;  // what the mesh shows of the relief
 #endif
@@ -97,7 +99,7 @@ int factor_of(int i) {
     return factor;
 }
 
-// A point between corners: n / f posts from the base post. f divides the texels a post: the point is a texel.
+// A point between corners: n / f posts from the base post. A texel, where f divides the texels a post.
 struct Between {
     ivec2 n;
     int f;
@@ -106,7 +108,11 @@ struct Between {
 
 Point displaced(Between p) {
     TILTH_PRECISE vec2 at_m = vec2(p.n) / float(p.f) * u_spacing_m - u_fraction_m;
+#ifdef BETWEEN_TEXELS
+    float relief_m = relief_point_m(p.n, p.f);
+#else
     float relief_m = relief_texel_m(p.n * (u_relief_per_post / p.f) + u_relief_base_texel);
+#endif
     vec3 position_m = displaced_m(vec3(at_m.x, p.base_m, at_m.y), relief_m);
     return made_point(position_m, p.alpha, u_clip_from_relative * vec4(position_m, 1.0), p.base_m);
 }

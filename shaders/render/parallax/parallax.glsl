@@ -29,6 +29,11 @@ layout(depth_greater) out float gl_FragDepth;
 
 // Tangent of the least elevation that a ray, of sight or of light, is followed at.
 uniform float u_parallax_least_tangent;
+uniform vec2 u_relief_extremes_m;  // highest, lowest of all that the window shows
+
+const float kRangeTexels = 32.0;     // about a texel, that u_relief_range tells of
+const float kMostStepTexels = 1.5;   // along the ground, before the linear search takes more steps
+const int kMostStepsTimes = 4;       // than it was told
 #ifdef PARALLAX_RANGE
 uniform vec2 u_parallax_range_m;  // highest, lowest
 #endif
@@ -42,14 +47,19 @@ struct TracedRelief {
 #endif
 };
 
-// Metres (highest, lowest) to be searched: always the ground itself too.
-vec2 searched_m(vec2 at) {
+// Metres (highest, lowest) to be searched along a ray through `at`: always the ground itself too.
+vec2 searched_m(vec2 at, vec2 shift, float share) {
 #ifdef PARALLAX_RANGE
     vec2 range = u_parallax_range_m;
 #else
     // Node k is of the cells from texel 64 k to 64 (k + 1), and its texel's centre, (k + 0.5) / (size / 64), is to
     // stand in the middle of them, at 64 (k + 0.5): so the coordinate is the position over the size, with no offset.
     vec2 range = textureLod(u_relief_range, at / float(u_relief_size), 0.0).rg;
+    // That is what there is within 32 texels. Farther off the ray is this far from the plane: what is higher, or deeper,
+    // anywhere may be met there.
+    float beyond_m = share * u_relief_texels_per_m * length(shift);
+    if (u_relief_extremes_m.x * beyond_m > kRangeTexels) range.x = u_relief_extremes_m.x;
+    if (-range.y * beyond_m > kRangeTexels) range.y = u_relief_extremes_m.y;
 #endif
     return vec2(max(range.x, 0.0), min(range.y, 0.0));
 }
@@ -72,10 +82,15 @@ TracedRelief trace_pixel(vec3 position_m, vec2 coarse_slope, vec2 fraction_m) {
     // Heights above the plane are measured along y. Nothing behind the eye is searched.
     float eye_m = dot(coarse_slope, base_m.xz) - base_m.y;
     vec2 shift = limited_shift(position_m.xz, eye_m - mesh_m);
-    vec2 searched = searched_m(at) * (share * u_relief_texels_per_m);
+    vec2 searched = searched_m(at, shift, share) * (share * u_relief_texels_per_m);
     searched.x = min(searched.x, max(eye_m, 0.0) * u_relief_texels_per_m);
     float first = mesh_m * u_relief_texels_per_m;
-    ReliefHit hit = trace_relief(at + shift * first, shift, share, searched.x, searched.y, first);
+    int steps = u_parallax_steps;
+#ifdef PARALLAX_SECANT
+    steps = int(clamp(length(shift) * (searched.x - searched.y) / kMostStepTexels, float(steps),
+                      float(kMostStepsTimes * steps)));
+#endif
+    ReliefHit hit = trace_relief(at + shift * first, shift, share, searched.x, searched.y, first, steps);
     vec2 moved_m = (hit.at - at) / u_relief_texels_per_m;
     float height_m = hit.height / u_relief_texels_per_m;
     TracedRelief traced;
@@ -90,7 +105,9 @@ TracedRelief trace_pixel(vec3 position_m, vec2 coarse_slope, vec2 fraction_m) {
     traced.lit = relief_light(hit.at, hit.height, light_shift, share, searched.x, searched.y);
 #endif
 #ifdef DEBUG_VIEW
-    traced.error_texels = distance(hit.at, trace_exact(at + shift * first, shift, share, searched.x, searched.y).at);
+    vec2 whole = vec2(max(u_relief_extremes_m.x, 0.0), min(u_relief_extremes_m.y, 0.0)) * (share * u_relief_texels_per_m);
+    whole.x = min(whole.x, max(eye_m, 0.0) * u_relief_texels_per_m);
+    traced.error_texels = distance(hit.at, trace_exact(at + shift * first, shift, share, whole.x, whole.y).at);
 #endif
     return traced;
 }

@@ -10,10 +10,10 @@
 //             \______`*              *         the hit: always on the ray
 //
 // Features, exactly one of
-//   PARALLAX_ITERATIVE  u_parallax_steps times p += V (z - h(p)), V the unit direction of the ray (Premecz 2006), from
+//   PARALLAX_ITERATIVE  `steps` times p += V (z - h(p)), V the unit direction of the ray (Premecz 2006), from
 //                       z = `first` on, which the others do not need: 0, or where a mesh that follows relief was hit.
 //                       Over a flat floor 1 - sin(elevation) of the way is left after each.
-//   PARALLAX_SECANT     u_parallax_steps even steps in z with early exit, then one secant step between the last two
+//   PARALLAX_SECANT     `steps` even steps in z with early exit, then one secant step between the last two
 //   PARALLAX_EXACT      traversal of u_relief_pyramid (Tevs, Ihrke, Seidel 2008) to the triangle of the cell
 // DEBUG_VIEW: `trace_exact` is there beside the method. The first two read heights with linear filtering, clamped to
 // lowest .. highest; the exact one has the surface of the contract: cells split along the diagonal from 00 to 11.
@@ -24,7 +24,7 @@
 #define TILTH_RENDER_PARALLAX_TRACE
 #include "render/relief.glsl"
 
-uniform int u_parallax_steps;
+uniform int u_parallax_steps;  // what `steps` is made from
 
 struct ReliefHit {
     vec2 at;       // window texels
@@ -39,9 +39,10 @@ float relief_height(vec2 p, float scale, float highest, float lowest) {
 }
 
 #ifdef PARALLAX_ITERATIVE
-ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first) {
+ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first,
+                       int steps) {
     float scale = share * u_relief_texels_per_m, sine = inversesqrt(1.0 + dot(shift, shift));
-    int turns = highest > lowest ? u_parallax_steps : 0;
+    int turns = highest > lowest ? steps : 0;
     float z = clamp(first, lowest, highest);
     for (int i = 0; i < turns; ++i) z -= sine * (z - relief_height(at - shift * z, scale, highest, lowest));
     return ReliefHit(at - shift * z, z, turns);
@@ -49,9 +50,10 @@ ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lo
 #endif
 
 #ifdef PARALLAX_SECANT
-ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first) {
-    float scale = share * u_relief_texels_per_m, step_z = (highest - lowest) / float(u_parallax_steps);
-    int turns = highest > lowest ? u_parallax_steps + 1 : 0, fetches = 0;
+ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first,
+                       int steps) {
+    float scale = share * u_relief_texels_per_m, step_z = (highest - lowest) / float(steps);
+    int turns = highest > lowest ? steps + 1 : 0, fetches = 0;
     float met = min(lowest, highest), before = highest, over_before = 1.0;
     for (int i = 0; i < turns; ++i) {
         float z = max(highest - step_z * float(i), lowest);  // never below the floor: the last step ends on it
@@ -152,7 +154,8 @@ ReliefHit trace_exact(vec2 at, vec2 shift, float share, float highest, float low
 #endif
 
 #ifdef PARALLAX_EXACT
-ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first) {
+ReliefHit trace_relief(vec2 at, vec2 shift, float share, float highest, float lowest, float first,
+                       int steps) {
     return trace_exact(at, shift, share, highest, lowest);
 }
 #endif

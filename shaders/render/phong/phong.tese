@@ -22,6 +22,7 @@ in float t_weight[];
 out vec3 v_position_m;
 out float v_alpha;
 flat out int v_level;
+invariant gl_Position;  // edges are shared by blocks of different programs
 
 float bulge_m(int a, int b) {
     return edge_bulge_m(t_position_m[a], t_slope[a], t_weight[a], t_position_m[b], t_slope[b], t_weight[b]);

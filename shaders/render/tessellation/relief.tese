@@ -26,6 +26,7 @@ in ivec2 t_from_base[];
 out vec3 v_position_m;
 out float v_alpha;
 flat out int v_level;
+invariant gl_Position;  // edges are shared by blocks of different programs
 out float v_relief_m;  // what the mesh shows of the relief
 
 vec3 base_of(int corner) { return vec3(t_position_m[corner].x, t_base_m[corner], t_position_m[corner].z); }
@@ -64,10 +65,7 @@ void on_edge(int a, int b, float share, float parts_wide) {
 // Detail at a float place, texels from the texel `origin` of the window.
 float relief_at_m(ivec2 origin, vec2 texels) {
     vec2 low = floor(texels);
-    ivec2 texel = origin + ivec2(low);
-    vec2 t = texels - low;
-    return cell_height(relief_texel_m(texel), relief_texel_m(texel + ivec2(1, 0)), relief_texel_m(texel + ivec2(0, 1)),
-                       relief_texel_m(texel + ivec2(1)), t.x, t.y);
+    return relief_cell_m(origin + ivec2(low), texels - low);
 }
 
 void inside(vec3 at) {

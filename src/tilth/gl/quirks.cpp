@@ -30,6 +30,11 @@ Quirks quirks_of(std::string_view vendor, std::string_view renderer) {
     // frames: each later pass over it then flushes first (a stamp on a four-tile corner cost 1.7 to 2.9 times the one
     // at a tile's centre with clears, 1.3 with uploads).
     quirks.uploads_beat_clears = quirks.software_rasterizer;
+
+    // llvmpipe (Mesa 22.3.6, measured): a tessellated patch on the screen costs the more the more patches its draw has
+    // (level 32: ten times, between one draw and a draw a patch), and a draw with more than 65 536 vertices after
+    // tessellation comes out as other triangles.
+    quirks.patch_draws_must_be_small = quirks.software_rasterizer;
     return quirks;
 }
 

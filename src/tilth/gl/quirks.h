@@ -11,6 +11,7 @@ struct Quirks {
     bool timer_queries_lie = false;               ///< GL_TIME_ELAPSED and GL_TIMESTAMP do not measure draws
     bool readback_waits = false;                  ///< glReadPixels into a buffer waits for all draws before it
     bool uploads_beat_clears = false;             ///< a whole texture is filled faster by uploads than by glClear
+    bool patch_draws_must_be_small = false;       ///< tessellation slows down, and breaks, with the patches of a draw
     bool upload_to_texture_in_use_waits = false;  ///< so upload before the first draw of a frame
 
     friend bool operator==(const Quirks&, const Quirks&) = default;

@@ -12,8 +12,18 @@ Error out_of_range(std::string_view field, double value, std::string_view allowe
 
 bool is_within(double value, double least, double most) { return value >= least && value <= most; }  // false for NaN
 
+/// A number that names none of an enumeration's values, the last of which is `last`.
+template <class Value>
+Result<void> check_named(std::string_view field, Value value, Value last) {
+    if (value <= last) return {};
+    return Error{ErrorCode::InvalidArgument, text("detail.", field, " is ", static_cast<int>(value),
+                                                  ", which names nothing; allowed are 0 to ", static_cast<int>(last))};
+}
+
 Result<void> check(const ParallaxSettings& p) {
     constexpr double degree = std::numbers::pi / 180;
+    if (const Result<void> named = check_named("parallax.method", p.method, ParallaxMethod::Exact); !named)
+        return named;
     if (!is_within(p.steps, 1, 256)) return out_of_range("parallax.steps", p.steps, "1 to 256");
     if (!is_within(p.shadow_steps, 0, 64)) return out_of_range("parallax.shadow_steps", p.shadow_steps, "0 to 64");
     if (!is_within(p.least_elevation_rad, 0.0999 * degree, 45.001 * degree))
@@ -65,6 +75,8 @@ ParallaxSettings paper_parallax(double tile_width_m) {
 }
 
 Result<void> check_detail(const DetailSettings& s) {
+    if (const Result<void> named = check_named("backend", s.backend, DetailBackend::Hybrid); !named) return named;
+    if (const Result<void> named = check_named("debug_view", s.debug_view, DebugView::Error); !named) return named;
     if (const Result<void> checked = check(s.parallax); !checked) return checked.error();
     if (!is_within(s.refinement.most_factor, 1, 64))
         return out_of_range("refinement.most_factor", s.refinement.most_factor, "1 to 64");

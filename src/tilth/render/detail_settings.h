@@ -20,16 +20,18 @@ enum class DetailBackend : std::uint8_t {
 enum class ParallaxMethod : std::uint8_t {
     Iterative,  ///< `steps` times offset limiting (Premecz 2006, the reference paper's way): underestimates at grazing
                 ///< angles by (1 - sin e)^steps
-    Secant,     ///< `steps` linear steps with early exit, then one secant step; error falls as 1 / steps where features
-                ///< are thinner than a step, much faster elsewhere
-    Exact,      ///< max-mip traversal (Tevs, Ihrke, Seidel 2008) to the triangle of the cell: no error, no steps
+    Secant,     ///< `steps` linear steps, up to four times as many where they would be longer than two texels, with
+                ///< early exit, then one secant step; error falls as 1 / steps where features are thinner than a step,
+                ///< much faster elsewhere
+    Exact,      ///< max-mip traversal (Tevs, Ihrke, Seidel 2008) to the triangle of the cell: on even coarse ground no
+                ///< error and no steps; every method takes bent ground for its tangent plane
 };
 
 struct ParallaxSettings {
     ParallaxMethod method = ParallaxMethod::Secant;
     std::int32_t steps = 16;  ///< 1..256; Exact has none
     /// The relief that is searched, metres from the coarse ground; what leaves it is clamped. Empty: what there is
-    /// within 32 texels of the pixel, from the pyramid. The paper's: 0.004 tile widths deep, and nothing above.
+    /// about the pixel, as far as its ray can meet it. The paper's: 0.004 tile widths deep, and nothing above.
     struct Range {
         double lowest_m = 0, highest_m = 0;
         friend bool operator==(const Range&, const Range&) = default;
@@ -45,17 +47,18 @@ struct ParallaxSettings {
 
 /// Of backends that make triangles.
 struct RefinementSettings {
-    /// Most parts an edge between two posts is split in, 1..64. Splits are at detail texels: factors used by `Geometry`
-    /// divide the texels a post and are at most 8 (what a geometry shader may emit).
+    /// Most parts an edge between two posts is split in, 1..64; never more than the texels a post, and by `Geometry` at
+    /// most 8 (what a geometry shader may emit), if possible a divisor of the texels a post.
     std::int32_t most_factor = 16;
     /// Edges are split until their parts are about this long on the screen, 0.5..64 pixels; 0: always `most_factor`.
+    /// Factors are whole numbers: where one changes, relief moves by what the edge's parts had left out.
     double edge_px = 4;
     friend bool operator==(const RefinementSettings&, const RefinementSettings&) = default;
 };
 
-/// Curved triangles (Boubekeur & Alexa, Phong Tessellation, 2008) on all levels, whatever the backend: rounds the
-/// piecewise linear silhouettes of smooth hills. Needs GL 4.0. Rough rings are then not refined
-/// (`ClipmapSettings::refine_above_px` has no effect).
+/// Curved triangles (Boubekeur & Alexa, Phong Tessellation, 2008) on all levels, or with a backend other than None on
+/// all but the finest, whose relief meets it: rounds the piecewise linear silhouettes of smooth hills. Needs GL 4.0.
+/// Rough rings are then not refined (`ClipmapSettings::refine_above_px` has no effect).
 struct PhongSettings {
     bool on = false;
     double shape = 0.5;            ///< 0 flat .. 1; 0.5 is exact on parabolas
@@ -80,7 +83,8 @@ struct DetailSettings {
     ParallaxSettings parallax;
     RefinementSettings refinement;
     PhongSettings phong;
-    /// Share of the finest level's unmorphed part in which relief is shown, 0.05..1; it fades over the last quarter.
+    /// Share of the finest level's unmorphed part in which relief is shown, 0.05..1, as far as active tiles reach (half
+    /// a tile less half the band); it fades over the last quarter.
     double reach = 1.0;
     /// Hybrid: share of that in which triangles alone show it, 0.05..0.9, and width of the blend to parallax,
     /// 0.02..0.5.
@@ -93,7 +97,8 @@ struct DetailSettings {
 ///   low     iterative parallax, 4 steps; edges of 8 px; reach 0.6
 ///   medium  secant parallax, 16 steps; edges of 4 px
 ///   high    secant parallax, 32 steps, depth, shadows; edges of 2 px
-///   exact   exact parallax, depth; every texel a vertex
+///   exact   exact parallax, depth; every texel a vertex: for `Geometry` up to 8 texels a post, for the tessellator on
+///           edges (within triangles it has a pattern of its own)
 enum class DetailPreset : std::uint8_t { Low, Medium, High, Exact };
 DetailSettings detail_preset(DetailBackend backend, DetailPreset preset);
 

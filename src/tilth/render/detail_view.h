@@ -27,8 +27,9 @@ public:
 struct ReliefView {
     const ReliefWindow* window = nullptr;
     const ReliefBounds* bounds = nullptr;
-    TexelRect square;           ///< texels of the map that the window shows
-    double code_quantum_m = 0;  ///< of detail codes
+    TexelRect square;                        ///< texels of the map that the window shows
+    double code_quantum_m = 0;               ///< of detail codes
+    CodeRange extremes{kMidCode, kMidCode};  ///< of all that the window shows
 };
 
 /// The active tiles of one view: one, two or four, in a window of at most 2 x 2. Slopes of a tile lie in a texture of

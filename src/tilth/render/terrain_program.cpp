@@ -94,10 +94,7 @@ Result<TerrainProgram> TerrainProgram::create(gl::ShaderLibrary& shaders, const 
 }
 
 TerrainProgram::TerrainProgram(gl::Program program, const ProgramChoice& choice)
-    : program_(std::move(program)),
-      uniforms_(program_),
-      patches_(choice.phong || choice.recipe.patches),
-      displaces_(choice.recipe.displaces) {}
+    : program_(std::move(program)), uniforms_(program_), patches_(choice.phong || choice.recipe.patches) {}
 
 TerrainProgram::Uniforms::Uniforms(gl::Program& program)
     : last_post(program.uniform("u_last_post")),
@@ -144,6 +141,7 @@ TerrainProgram::Uniforms::Uniforms(gl::Program& program)
       relief_fade_m(program.uniform("u_relief_fade_m")),
       relief_mark_level(program.uniform("u_relief_mark_level")),
       relief_slopes_size(program.uniform("u_relief_slopes_size")),
+      relief_extremes_m(program.uniform("u_relief_extremes_m")),
       parallax_steps(program.uniform("u_parallax_steps")),
       parallax_shadow_steps(program.uniform("u_parallax_shadow_steps")),
       parallax_range_m(program.uniform("u_parallax_range_m")),
@@ -298,6 +296,10 @@ void TerrainProgram::set_relief(const ProgramFrame& frame, const DetailView& det
     program.set(u.relief_fade_m, plan.displaced.from_m, plan.displaced.to_m, plan.all.from_m, plan.all.to_m);
     program.set(u.relief_mark_level, mark_level(per_post));
     program.set(u.relief_slopes_size, f(size));
+    const auto metres = [&](std::uint32_t code) {
+        return f((static_cast<double>(code) - kMidCode) * detail.relief->code_quantum_m);
+    };
+    program.set(u.relief_extremes_m, metres(detail.relief->extremes.max), metres(detail.relief->extremes.min));
     program.set(u.detail_base_texels, f(base_x), f(base_z));
     program.set(u.detail_texels_per_m, f(texels_per_m));
     program.set(u.detail_reach_m, f(detail.reach_m));

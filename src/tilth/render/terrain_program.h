@@ -68,7 +68,6 @@ public:
 
     [[nodiscard]] gl::Program& program() { return program_; }
     [[nodiscard]] bool patches() const { return patches_; }
-    [[nodiscard]] bool displaces() const { return displaces_; }
 
     // The program is bound.
     void set_frame(const ProgramFrame& frame) const;
@@ -92,7 +91,7 @@ private:
         gl::Uniform detail_base_texels, detail_texels_per_m, detail_apron, detail_stored_size, detail_map_edge,
             detail_reach_m, detail_tile_texels, detail_window_texels;
         gl::Uniform relief_size, relief_base_texel, relief_per_post, relief_texels_per_m, relief_fade_m,
-            relief_mark_level, relief_slopes_size;
+            relief_mark_level, relief_slopes_size, relief_extremes_m;
         gl::Uniform parallax_steps, parallax_shadow_steps, parallax_range_m, parallax_least_tangent;
         gl::Uniform refine_factor_most, refine_edge_px, refine_px_per_radian, refine_chain;
         gl::Uniform phong_px_per_radian, phong_shape, phong_factor_most, phong_edge_px, phong_first_level;
@@ -100,7 +99,7 @@ private:
     };
     gl::Program program_;
     Uniforms uniforms_;
-    bool patches_ = false, displaces_ = false;
+    bool patches_ = false;
 };
 
 }  // namespace tilth

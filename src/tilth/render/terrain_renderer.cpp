@@ -64,11 +64,12 @@ std::int32_t post_of(std::int32_t vertex, std::int32_t level, std::int32_t last)
 constexpr BlockKind kKinds[] = {BlockKind::Own, BlockKind::Morphing, BlockKind::Refined, BlockKind::General};
 constexpr BlockKind kReliefKinds[] = {BlockKind::Own, BlockKind::Morphing};  // of the finest level's own blocks
 
+/// Texels before a block in which relief that hides it is looked for.
+constexpr double kMostHidden = 256;
 /// `refine_above_px` that refines nothing.
 constexpr double kNeverRefine = 1e6;
-/// Patches in a draw, for edges split in at most `factor` parts. On software GL the time of a patch grows with the
-/// patches of its draw, and a draw with more than 65 536 vertices after tessellation comes out as garbage (a triangle
-/// split 16 times has 217). Powers of two, so that a block is drawn by whole draws.
+/// Patches in a draw where `Quirks::patch_draws_must_be_small`, for edges split in at most `factor` parts (a triangle
+/// split 16 times has 217 vertices). Powers of two, so that a block is drawn by whole draws.
 int patches_a_draw(std::int32_t factor) { return factor <= 8 ? 256 : factor <= 16 ? 128 : factor <= 32 ? 64 : 16; }
 static_assert(kBlockIndices % (256 * 3) == 0);
 
@@ -164,11 +165,13 @@ TerrainRenderer::Mode TerrainRenderer::mode_of(const View& view, const DetailVie
     if (detail == nullptr) return mode;
     const DetailSettings& settings = detail->settings;
     mode.phong = settings.phong.on;
+    mode.phong_shape = settings.phong.shape;
     mode.debug_view = settings.debug_view != DebugView::Off;
     if (!detail->relief || detail->empty() || !(detail->reach_m > 0)) return mode;
-    const double reach_m = std::min(
-        relief_reach(settings_, map_.grid.spacing_m, texels_per_post(*detail, map_.grid), settings.reach).reach_m,
-        detail->reach_m);
+    const double reach_m = relief_reach(settings_, map_.grid.spacing_m, texels_per_post(*detail, map_.grid),
+                                        settings.reach, detail->reach_m)
+                               .reach_m;
+    if (!(reach_m > 0)) return mode;
     mode.plan = plan_backend({.settings = settings,
                               .reach_m = reach_m,
                               .texels_per_post = texels_per_post(*detail, map_.grid),
@@ -277,8 +280,14 @@ void TerrainRenderer::draw_triangles(std::size_t first, std::size_t count, gl::S
 
 void TerrainRenderer::draw_patches(std::size_t first, std::size_t count, std::int32_t factor, gl::StageStats& stats) {
     const gl::Api& gl = device_->gl();
-    const int indices = patches_a_draw(factor) * 3;
     gl.PatchParameteri(GL_PATCH_VERTICES, 3);
+    if (!device_->quirks().patch_draws_must_be_small) {
+        describe_instances(block_array_, block_buffer_, first);
+        gl.DrawElementsInstanced(GL_PATCHES, kBlockIndices, GL_UNSIGNED_SHORT, nullptr, static_cast<GLsizei>(count));
+        stats.draws += 1;
+        return;
+    }
+    const int indices = patches_a_draw(factor) * 3;
     for (std::size_t block = first; block < first + count; ++block) {
         describe_instances(block_array_, block_buffer_, block);
         for (int at = 0; at < kBlockIndices; at += indices) {
@@ -336,7 +345,7 @@ Result<TerrainRenderer::Groups> TerrainRenderer::groups_for(const Mode& mode, gl
         if (!detail) return detail.error();
         groups.detail[curved ? 1 : 0] = *detail;
     }
-    if (counts_.relief_blocks > 0) {
+    if (!mode.plan.empty()) {  // with the tile, not with the first block of it that is in sight
         std::vector<ProgramChoice> choices;
         for (const ReliefRecipe& recipe : mode.plan.recipes)
             for (const BlockKind kind : kReliefKinds)
@@ -400,7 +409,7 @@ void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bo
     std::vector<Choice> choices;
     for (const DrawnBlock& drawn : drawn_.blocks) {
         const Run run = run_of(drawn, camera, bounds, there, mode);
-        if (debug_.cull_blocks && !is_visible(drawn, camera, bounds, run.relief != 0 ? there : nullptr)) {
+        if (debug_.cull_blocks && !is_visible(drawn, camera, bounds, displaced_by(run, mode, there), mode)) {
             ++counts_.culled_blocks;
             continue;
         }
@@ -411,7 +420,8 @@ void TerrainRenderer::choose_blocks(const Camera& camera, const HeightBounds& bo
                                     std::abs((b.z + b.depth * 0.5) * unit - camera.eye_posts.z))});
     }
     if (debug_.cull_blocks)
-        std::erase_if(drawn_.stitches, [&](const DrawnBlock& s) { return !is_visible(s, camera, bounds, nullptr); });
+        std::erase_if(drawn_.stitches,
+                      [&](const DrawnBlock& s) { return !is_visible(s, camera, bounds, nullptr, mode); });
     std::erase_if(drawn_.stitches, [&](const DrawnBlock& s) { return s.base_level == debug_.omit_stitches_of_level; });
 
     // Front to back: by the level of the surface; blocks of one kind together; then by the distance of a block's
@@ -447,6 +457,10 @@ TerrainRenderer::Run TerrainRenderer::run_of(const DrawnBlock& drawn, const Came
     return {source == DetailSource::Window ? BlockKind::General : kind, source};
 }
 
+const DetailView* TerrainRenderer::displaced_by(const Run& run, const Mode& mode, const DetailView* detail) {
+    return run.relief != 0 && mode.plan.recipes[run.relief - 1].displaces ? detail : nullptr;
+}
+
 std::size_t TerrainRenderer::relief_of(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
                                        const DetailView& detail, const BackendPlan& plan) const {
     const RelativeBox box = box_of(drawn, camera, coarse_codes(drawn, bounds));
@@ -455,19 +469,30 @@ std::size_t TerrainRenderer::relief_of(const DrawnBlock& drawn, const Camera& ca
     const double from_m =
         std::hypot(nearest(box.min.x, box.max.x), nearest(box.min.y, box.max.y), nearest(box.min.z, box.max.z));
     if (!(from_m < static_cast<double>(plan.all.to_m))) return 0;
-    if (relief_codes(drawn.block, detail) == CodeRange{kMidCode, kMidCode}) return 0;
+    if (relief_codes(drawn.block, detail, texels_about(box, detail)) == CodeRange{kMidCode, kMidCode}) return 0;
     return 1 + plan.recipe_of(from_m, std::hypot(farthest(box.min.x, box.max.x), farthest(box.min.y, box.max.y),
                                                  farthest(box.min.z, box.max.z)));
 }
 
-CodeRange TerrainRenderer::relief_codes(const ClipmapBlock& block, const DetailView& detail) const {
+CodeRange TerrainRenderer::relief_codes(const ClipmapBlock& block, const DetailView& detail, std::int32_t about) const {
     const auto [first, last] = posts_of(block);
     const std::int32_t per_post = texels_per_post(detail, map_.grid);
-    // Rays come in from beyond the block, and the nodes about its outer posts reach beyond it.
-    const std::int32_t about = std::max(ReliefWindow::kTopCells, per_post + (2 << mark_level(per_post)));
     const TexelRect texels =
         expanded({{first.x * per_post, first.z * per_post}, {last.x * per_post + 1, last.z * per_post + 1}}, about);
     return detail.relief->bounds->query(intersection(texels, detail.relief->square));
+}
+
+std::int32_t TerrainRenderer::texels_about(const RelativeBox& box, const DetailView& detail) const {
+    const std::int32_t per_post = texels_per_post(detail, map_.grid);
+    // Nodes about the block's outer posts reach beyond it.
+    const std::int32_t nodes = std::max(ReliefWindow::kTopCells, per_post + (2 << mark_level(per_post)));
+    // And so do rays: what stands before the block hides it as far as its height over the least slope of sight.
+    const double highest_m =
+        (static_cast<double>(detail.relief->extremes.max) - kMidCode) * detail.relief->code_quantum_m;
+    const double across_m = std::hypot(std::max(-box.min.x, box.max.x), std::max(-box.min.z, box.max.z));
+    const double above_m = std::max(-box.max.y, 1e-3);
+    const double hidden = std::max(highest_m, 0.0) * across_m / above_m * per_post / map_.grid.spacing_m;
+    return std::max(nodes, static_cast<std::int32_t>(std::min(hidden, kMostHidden)));
 }
 
 TerrainRenderer::PostRect TerrainRenderer::posts_of(const ClipmapBlock& b) const {
@@ -516,15 +541,21 @@ RelativeBox TerrainRenderer::box_of(const DrawnBlock& drawn, const Camera& camer
 }
 
 bool TerrainRenderer::is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
-                                 const DetailView* relief) const {
+                                 const DetailView* relief, const Mode& mode) const {
     RelativeBox box = box_of(drawn, camera, coarse_codes(drawn, bounds));
     if (relief != nullptr) {
-        const CodeRange moved = relief_codes(drawn.block, *relief);
+        const CodeRange moved = relief_codes(drawn.block, *relief, 1);
         const auto metres = [&](std::uint32_t code) {
             return (static_cast<double>(code) - 2147483648.0) * relief->relief->code_quantum_m;
         };
         box.min.y += std::min(metres(moved.min), 0.0);
         box.max.y += std::max(metres(moved.max), 0.0);
+    }
+    if (mode.phong) {
+        // A curved triangle leaves its corners by a quarter of `shape` of what slopes differ by along its edges: at
+        // most 2, say, on ground that is no cliff.
+        const double bulge_m = 0.5 * mode.phong_shape * map_.grid.spacing_m * std::ldexp(1.0, drawn.block.level);
+        box.min.y -= bulge_m, box.max.y += bulge_m;
     }
     return !is_culled(box, camera);
 }

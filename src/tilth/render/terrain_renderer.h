@@ -110,6 +110,7 @@ private:
     struct Mode {
         BackendPlan plan;
         bool phong = false, debug_view = false;
+        double phong_shape = 0;
     };
     /// What the blocks of a draw need; nullptr where they do not. [1]: curved by Phong tessellation.
     struct Groups {
@@ -134,13 +135,17 @@ private:
     [[nodiscard]] PostRect posts_of(const ClipmapBlock& block) const;
     /// Codes that a block's vertices may stand at, on the coarse ground.
     [[nodiscard]] CodeRange coarse_codes(const DrawnBlock& drawn, const HeightBounds& bounds) const;
-    /// Codes of the detail in a block and about it.
-    [[nodiscard]] CodeRange relief_codes(const ClipmapBlock& block, const DetailView& detail) const;
+    /// Codes of the detail in a block and `about` texels about it.
+    [[nodiscard]] CodeRange relief_codes(const ClipmapBlock& block, const DetailView& detail, std::int32_t about) const;
+    /// How many texels about a block decide whether relief is seen in it.
+    [[nodiscard]] std::int32_t texels_about(const RelativeBox& box, const DetailView& detail) const;
+    /// What moves the surface of a run's blocks; nullptr: nothing.
+    static const DetailView* displaced_by(const Run& run, const Mode& mode, const DetailView* detail);
     /// A block whose vertices stand between `codes`, metres from the eye.
     [[nodiscard]] RelativeBox box_of(const DrawnBlock& drawn, const Camera& camera, CodeRange codes) const;
     /// `relief`: what may move the block's surface; nullptr: nothing.
     [[nodiscard]] bool is_visible(const DrawnBlock& drawn, const Camera& camera, const HeightBounds& bounds,
-                                  const DetailView* relief) const;
+                                  const DetailView* relief, const Mode& mode) const;
 
     /// Made if it is not there yet.
     Result<Group*> group_of(const std::string& key, std::span<const ProgramChoice> choices, gl::StageStats& stats);

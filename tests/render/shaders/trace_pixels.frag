@@ -13,7 +13,7 @@ void main() {
     vec3 position_m = texelFetch(u_fragments, ivec2(gl_FragCoord.xy), 0).xyz;
     TracedRelief traced = trace_pixel(position_m, u_coarse_slope, u_fraction_m);
     shown = vec4(traced.position_m, float(traced.fetches));
-    told = vec4(searched_m(relief_texels(position_m.xz + u_fraction_m)), traced.lit, 0.0);
+    told = vec4(searched_m(relief_texels(position_m.xz + u_fraction_m), vec2(0.0), 1.0), traced.lit, 0.0);
 #ifdef DEBUG_VIEW
     told.w = traced.error_texels;
 #endif

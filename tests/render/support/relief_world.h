@@ -120,7 +120,7 @@ public:
     /// fade goes by the coarse ground at a pixel and what is compared by the ground that shows.
     [[nodiscard]] double whole_reach_m() const {
         const double tile_m = tile_size_ * kSpacingM / 3;
-        return 0.75 * std::min(relief_reach(clipmap_, kSpacingM, 3, 1).reach_m,
+        return 0.75 * std::min(relief_reach(clipmap_, kSpacingM, 3, 1, 1e9).reach_m,
                                active_reach_m(tile_m, TileSettings().band)) -
                1;
     }

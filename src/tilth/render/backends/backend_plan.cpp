@@ -10,11 +10,16 @@ std::size_t BackendPlan::recipe_of(double nearest_m, double farthest_m) const {
 
 BackendPlan plan_backend(const PlanInput& input) {
     switch (input.settings.backend) {
-        case DetailBackend::None: break;
-        case DetailBackend::Parallax: return plan_parallax(input);
-        case DetailBackend::Geometry: return plan_geometry(input);
-        case DetailBackend::Tessellation: return plan_tessellation(input);
-        case DetailBackend::Hybrid: return plan_hybrid(input);
+        case DetailBackend::None:
+            break;
+        case DetailBackend::Parallax:
+            return plan_parallax(input);
+        case DetailBackend::Geometry:
+            return plan_geometry(input);
+        case DetailBackend::Tessellation:
+            return plan_tessellation(input);
+        case DetailBackend::Hybrid:
+            return plan_hybrid(input);
     }
     return {};
 }

@@ -15,10 +15,10 @@ namespace tilth {
 /// A program for blocks of relief, beside `render/terrain.vert` and `render/terrain.frag`.
 struct ReliefRecipe {
     const char* name = "";
-    gl::Features features;       ///< beyond those that the map and the block's kind ask for
-    gl::ProgramOptions stages;   ///< geometry or tessellation shaders; empty: none
-    bool patches = false;        ///< triangles are patches of three vertices
-    bool displaces = false;      ///< moves the surface out of the coarse ground's bounds
+    gl::Features features;      ///< beyond those that the map and the block's kind ask for
+    gl::ProgramOptions stages;  ///< geometry or tessellation shaders; empty: none
+    bool patches = false;       ///< triangles are patches of three vertices
+    bool displaces = false;     ///< moves the surface out of the coarse ground's bounds
 };
 
 /// Distances from the eye, metres, between which something fades from whole to nothing, smoothly.
@@ -46,7 +46,7 @@ struct BackendPlan {
 /// What a plan is made for.
 struct PlanInput {
     const DetailSettings& settings;  ///< checked
-    double reach_m = 0;  ///< relief is gone from here on
+    double reach_m = 0;              ///< relief is gone from here on
     std::int32_t texels_per_post = 1;
     bool reversed_depth = false;
 };

@@ -12,9 +12,14 @@ namespace tilth {
 std::vector<std::int32_t> refinement_chain(std::int32_t texels_per_post, std::int32_t most_factor) {
     TILTH_EXPECTS(texels_per_post >= 1 && most_factor >= 1,
                   text("refinement_chain: ", texels_per_post, " texels a post, factor ", most_factor));
-    std::int32_t last = std::min(most_factor, kMostGeometryFactor);
+    const std::int32_t wanted = std::min({most_factor, kMostGeometryFactor, texels_per_post});
+    std::int32_t last = wanted;
     while (texels_per_post % last != 0) --last;
     std::vector<std::int32_t> chain{1};
+    if (2 * last <= wanted) {  // no divisor that is worth it: between texels
+        while (2 * chain.back() <= wanted) chain.push_back(2 * chain.back());
+        return chain;
+    }
     while (chain.back() < last) {
         std::int32_t step = 2;
         while (last / chain.back() % step != 0) ++step;
@@ -36,6 +41,7 @@ BackendPlan plan_geometry(const PlanInput& input) {
     recipe.features = {{"RELIEF_MESH", "1"},
                        {"MAX_FACTOR", std::to_string(finest)},
                        {"MAX_VERTICES", std::to_string(finest * (finest + 2))}};
+    if (input.texels_per_post % finest != 0) recipe.features.emplace_back("BETWEEN_TEXELS", "1");
     recipe.stages.geometry = "render/geometry/refine.geom";
     recipe.displaces = true;
     BackendPlan plan;

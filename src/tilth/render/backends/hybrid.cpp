@@ -29,7 +29,9 @@ ReliefRecipe mesh_recipe(const char* name) {
 BackendPlan plan_hybrid(const PlanInput& input) {
     const gl::Features parallax = parallax_features(input);
     ReliefRecipe blend = mesh_recipe("tessellated and traced relief");
-    blend.features.insert(blend.features.end(), parallax.begin(), parallax.end());
+    // What is traced may lie before the mesh: its depth is on either side.
+    for (const auto& feature : parallax)
+        if (feature.first != "DEPTH_ONE_SIDED") blend.features.push_back(feature);
     ReliefRecipe traced;
     traced.name = "traced relief";
     traced.features = parallax;

@@ -1,8 +1,8 @@
-// The floor of render/geometry/refine.geom: the same inputs and the same declaration, and each triangle goes out as it came.
+// The floor of render/geometry/refine.geom: the same inputs, the same declaration, and triangles go out as they came.
 #include "render/relief_mesh.glsl"
 
 layout(triangles) in;
-layout(triangle_strip, max_vertices = MAX_FACTOR * (MAX_FACTOR + 2)) out;
+layout(triangle_strip, max_vertices = MAX_VERTICES) out;
 
 in vec3 r_position_m[];
 in float r_alpha[];

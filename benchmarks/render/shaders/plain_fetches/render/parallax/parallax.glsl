@@ -1,5 +1,5 @@
 // The floor of render/parallax/parallax.glsl: u_parallax_steps linear fetches of heights at the fragment's own place, and
-// nothing is done with them. (A millionth of a millimetre of their sum is added, so that they are not left out.)
+// nothing is done with them. (Their sum moves the point by a billionth, so that none is left out.)
 #ifndef TILTH_RENDER_PARALLAX
 #define TILTH_RENDER_PARALLAX
 #include "render/relief.glsl"
