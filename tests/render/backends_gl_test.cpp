@@ -297,6 +297,38 @@ TEST_F(BackendsGlTest, AHeapAboveCoarseGroundThatIsOutOfSight) {
     }
 }
 
+// A heap seen from so low that rays come to the ground metres behind it, where nothing is dented for 32 texels about:
+// it is searched for all the same. Against flat ground that goes on behind it, so that parallax can show all of it.
+TEST_F(BackendsGlTest, AHeapIsSeenOverGroundFarBehindIt) {
+    ReliefWorld world(std::make_shared<FlatSource>(257, 0.0));
+    world.stamp({.shape = {static_cast<std::uint32_t>(BuiltinProfile::Cosine)},
+                 .centre = {14.8, 12.8},
+                 .radius_m = 0.6,
+                 .amplitude_m = 0.3});
+    const View view = world.view({11.8, 12.8}, 0.7, {1, -0.2, 0}, 320, 180);
+    const Target target(view.width, view.height);
+    const ContractSurface surface(world.truth(), {view.eye.x, view.eye.z}, world.whole_reach_m() + 1);
+    DetailMesh(surface).draw(target, view);
+    const std::vector<float> truth = target.depths();
+    const auto ground_of = [&](const char* name, DetailSettings settings) {
+        settings.parallax.depth = true;
+        EXPECT_TRUE(world.show(settings));
+        const ShownGround g =
+            compare_ground(view, world.draw(target, view).depth, truth, surface, world.whole_reach_m());
+        print_ground(name, g);
+        return g;
+    };
+    const ShownGround none = ground_of("none", {});
+    const ShownGround exact = ground_of("parallax exact", detail_preset(DetailBackend::Parallax, DetailPreset::Exact));
+    const ShownGround medium =
+        ground_of("parallax medium", detail_preset(DetailBackend::Parallax, DetailPreset::Medium));
+    EXPECT_GT(none.wrong_inside, 500) << "the heap hides ground behind it";
+    EXPECT_LE(exact.rms_px, 0.01);
+    EXPECT_LE(exact.wrong_inside, 5);
+    EXPECT_LE(medium.rms_px, 0.1 * none.rms_px);
+    EXPECT_LE(medium.wrong_inside, none.wrong_inside / 10);
+}
+
 // ---- no cracks ----
 
 class NoisyFlight {
