@@ -13,6 +13,7 @@
 #include <numbers>
 
 #include "support/bench_terrain.h"
+#include "support/picture.h"
 #include "tilth/gl/pixel_store.h"
 #include "tilth/source/ridged_source.h"
 #include "tilth/store/memory_store.h"
@@ -23,17 +24,6 @@ namespace {
 constexpr double kPace = 0.038 * 30;  // texels a frame: 2.28 m/s at 60 frames a second
 constexpr double kBand = 0.1;         // as `TileSettings` has it
 constexpr int kLead = 4;              // frames before the place where something begins
-
-double wall_ms() {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-/// The `share` of the samples lies below; 1: the longest.
-double percentile(std::vector<double> samples, double share) {
-    if (samples.empty()) return 0;
-    std::sort(samples.begin(), samples.end());
-    return samples[static_cast<std::size_t>(std::lround(share * static_cast<double>(samples.size() - 1)))];
-}
 
 /// What happened in a frame, the most costly first.
 enum class Event : std::uint8_t { Loaded, Left, Slices, Nothing };
@@ -49,41 +39,6 @@ std::shared_ptr<const HeightSource> ridged_ground() {
         make_ridged_source({.seed = 7, .size = 4096, .relief_m = 40});
     return made;
 }
-
-class Picture {
-public:
-    Picture(int width, int height)
-        : width_(width),
-          height_(height),
-          colour_(value(gl::Texture2D::create(device(), "bench colour", {gl::Format::Rgba8, width, height}))),
-          depth_(value(gl::Texture2D::create(device(), "bench depth", {gl::Format::Depth32F, width, height}))),
-          target_(value(gl::Framebuffer::create(device(), "bench target"))) {
-        const gl::Texture2D* const colours[] = {&colour_};
-        target_.attach(colours, 0, &depth_);
-    }
-    /// Queues a picture of the ground from `at`, looking along +x or -x.
-    void draw(const BenchTerrain& ground, PostPos at, double forward_x) {
-        const WorldPos place = ground.place(at);
-        const View view{.eye = {place.x, ground->ground().height_m(place, MapSelect::Coarse) + 2, place.z},
-                        .forward = {forward_x, -0.15, 0},
-                        .fov_y_rad = std::numbers::pi / 2,
-                        .width = width_,
-                        .height = height_,
-                        .near_m = 0.1,
-                        .far_m = 1000};
-        const gl::Api& gl = device().gl();
-        target_.bind();
-        gl.Viewport(0, 0, width_, height_);
-        gl.DepthMask(GL_TRUE);
-        gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-        check(ground->draw(view, {}));
-    }
-
-private:
-    int width_, height_;
-    gl::Texture2D colour_, depth_;
-    gl::Framebuffer target_;
-};
 
 /// Three rows of six tiles, dented all over; the walk goes along the middle of the middle row.
 class DentedWalk {
@@ -112,7 +67,7 @@ public:
             const double wall = wall_ms(), cpu = gl::process_cpu_ms();
             ground.put_viewer(at);
             ground.frame();
-            picture.draw(ground, at, direction);
+            picture.draw(*ground, at_eye_height(*ground, ground.place(at), direction));
             gl.Finish();
             Frame frame{.wall_ms = wall_ms() - wall, .cpu_ms = gl::process_cpu_ms() - cpu};
             const gl::FrameStats& stats = ground->last_frame();
@@ -256,7 +211,7 @@ void read_back_stall(benchmark::State& state) {
     };
     const auto timed_behind_draw = [&](bool drawn, const auto& work) {
         gl.Finish();
-        if (drawn) picture.draw(ground, middle, 1);
+        if (drawn) picture.draw(*ground, at_eye_height(*ground, ground.place(middle)));
         const double began = wall_ms(), cpu = gl::process_cpu_ms();
         work();
         const std::pair<double, double> taken{wall_ms() - began, gl::process_cpu_ms() - cpu};

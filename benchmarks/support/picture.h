@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "support/bench_device.h"
@@ -22,6 +23,15 @@ inline double percentile(std::vector<double> samples, double share) {
     if (samples.empty()) return 0;
     std::sort(samples.begin(), samples.end());
     return samples[static_cast<std::size_t>(std::lround(share * static_cast<double>(samples.size() - 1)))];
+}
+
+/// From 2 m over the coarse ground at `at`, along +x or -x, slightly down, 90 degrees.
+inline View at_eye_height(const Terrain& terrain, WorldPos at, double forward_x = 1) {
+    return {.eye = {at.x, terrain.ground().height_m(at, MapSelect::Coarse) + 2, at.z},
+            .forward = {forward_x, -0.15, 0},
+            .fov_y_rad = std::numbers::pi / 2,
+            .near_m = 0.1,
+            .far_m = 1000};
 }
 
 /// A framebuffer of the shared device, RGBA8 and 32-bit depth.

@@ -22,6 +22,7 @@
 #include "store/engines.h"
 #include "store/sample_pages.h"
 #include "support/bench_device.h"
+#include "support/picture.h"
 #include "tilth/core/hash.h"
 #include "tilth/gl/pixel_store.h"
 #include "tilth/source/ridged_source.h"
@@ -39,20 +40,10 @@ constexpr int kSave = 24;    // of a period: the save is begun
 constexpr int kRest = 3;     // frames that still feel what went before
 constexpr double kPace_m = 0.038;
 
-double wall_ms() {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 double thread_cpu_ms() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
-}
-
-/// The `share` of the samples lies below; 1: the longest.
-double percentile(std::vector<double> samples, double share) {
-    if (samples.empty()) return 0;
-    std::sort(samples.begin(), samples.end());
-    return samples[static_cast<std::size_t>(std::lround(share * static_cast<double>(samples.size() - 1)))];
 }
 
 std::shared_ptr<const HeightSource> heights() {
@@ -122,37 +113,6 @@ std::uint64_t planned_hash(const Plan& plan, int frames) {
     return hash_of(ground->hash());
 }
 
-class Picture {
-public:
-    Picture()
-        : colour_(value(gl::Texture2D::create(device(), "bench colour", {gl::Format::Rgba8, kWidth, kHeight}))),
-          depth_(value(gl::Texture2D::create(device(), "bench depth", {gl::Format::Depth32F, kWidth, kHeight}))),
-          target_(value(gl::Framebuffer::create(device(), "bench target"))) {
-        const gl::Texture2D* const colours[] = {&colour_};
-        target_.attach(colours, 0, &depth_);
-    }
-    /// Queues a picture of the ground from `eye`, 2 m up.
-    void draw(Terrain& terrain, WorldPos eye) {
-        const View view{.eye = {eye.x, terrain.ground().height_m(eye, MapSelect::Coarse) + 2, eye.z},
-                        .forward = {1, -0.15, 0},
-                        .fov_y_rad = std::numbers::pi / 2,
-                        .width = kWidth,
-                        .height = kHeight,
-                        .near_m = 0.1,
-                        .far_m = 1000};
-        const gl::Api& gl = device().gl();
-        target_.bind();
-        gl.Viewport(0, 0, kWidth, kHeight);
-        gl.DepthMask(GL_TRUE);
-        gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-        check(terrain.draw(view, {}));
-    }
-
-private:
-    gl::Texture2D colour_, depth_;
-    gl::Framebuffer target_;
-};
-
 /// The floor of a read-back: so many bytes out of a texture of a tile's size into memory, bound for reading alone.
 class BareReadBack {
 public:
@@ -216,7 +176,7 @@ public:
         const bool is_first = number_ % kPeriod == kSave;
         if (is_first) pages_a_save_.push_back(static_cast<double>(pages_.size())), pages_.clear();
         gl.Finish();
-        if (behind_draw) picture_.draw(*terrain_, at);
+        if (behind_draw) picture_.draw(*terrain_, at_eye_height(*terrain_, at));
         Frame frame;
         const double wall = wall_ms(), cpu = thread_cpu_ms();
         terrain_->set_viewers({&at, 1});
@@ -227,7 +187,7 @@ public:
         check(terrain_->update(1.0 / 60));
         frame.update_ms = wall_ms() - update;
         frame.update_cpu_ms = thread_cpu_ms() - update_cpu;
-        if (!behind_draw) picture_.draw(*terrain_, at);
+        if (!behind_draw) picture_.draw(*terrain_, at_eye_height(*terrain_, at));
         if (!behind_draw) gl.Finish();
         frame.wall_ms = wall_ms() - wall;
         frame.cpu_ms = thread_cpu_ms() - cpu;
@@ -242,7 +202,7 @@ public:
     template <class Work>
     double timed(bool behind_draw, const Work& work) {
         device().gl().Finish();
-        if (behind_draw) picture_.draw(*terrain_, Plan::walker(number_));
+        if (behind_draw) picture_.draw(*terrain_, at_eye_height(*terrain_, Plan::walker(number_)));
         const double began = wall_ms();
         work();
         const double taken = wall_ms() - began;
@@ -289,7 +249,7 @@ private:
     Plan plan_;
     std::unique_ptr<Terrain> terrain_;
     ShapeId boot_;
-    Picture picture_;
+    Picture picture_{kWidth, kHeight};
     std::set<PageIndex> pages_;  ///< dented since the last save
     std::vector<double> pages_a_save_;
     int number_ = 0, rest_ = 0;

@@ -329,6 +329,38 @@ TEST_F(BackendsGlTest, AHeapIsSeenOverGroundFarBehindIt) {
     EXPECT_LE(medium.wrong_inside, none.wrong_inside / 10);
 }
 
+// Reversed depth shows the same ground, and says the same of where it is.
+TEST_F(BackendsGlTest, ReversedDepthIsTheSameGround) {
+    if (!device().capabilities().clip_control) GTEST_SKIP() << "no GL_ARB_clip_control";
+    ReliefWorld world(std::make_shared<FlatSource>(257, 0.0));
+    for (int i = 0; i < 6; ++i) world.print({13.2 + 0.4 * i, 12.6 + 0.13 * (i % 2)});
+    View view = world.view({12.4, 12.8}, 1.2, {1, -0.55, 0}, 240, 135);
+    const Target target(view.width, view.height);
+    for (const Shown& shown : methods()) {
+        DetailSettings settings = shown.settings;
+        settings.parallax.depth = true;
+        if (settings.backend == DetailBackend::None || !world.show(settings)) continue;
+        view.depth = DepthConvention::Standard;
+        const Frame standard = world.draw(target, view);
+        view.depth = DepthConvention::Reversed;
+        const Frame reversed = world.draw(target, view);
+        int other_colour = 0, other_place = 0, ground = 0;
+        for (std::size_t i = 0; i < standard.depth.size(); ++i) {
+            const double near = view.near_m, far = view.far_m, d = standard.depth[i], r = reversed.depth[i];
+            if (d >= 1) continue;
+            ++ground;
+            const double along = 2 * far * near / (far + near - (2 * d - 1) * (far - near));
+            other_place += std::abs(along - far * near / (near + r * (far - near))) > 1e-4 * along;
+            for (std::size_t c = 0; c < 3; ++c)
+                other_colour += std::abs(standard.rgba[4 * i + c] - reversed.rgba[4 * i + c]) > 1;
+        }
+        EXPECT_GT(ground, 20'000) << shown.name;
+        // Pixels on an edge between near and far that the two round to either side.
+        EXPECT_LE(other_place, 10) << shown.name;
+        EXPECT_LE(other_colour, 30) << shown.name;
+    }
+}
+
 // ---- no cracks ----
 
 class NoisyFlight {

@@ -2,41 +2,13 @@
 #include <cmath>
 #include <cstdio>
 
+#include "render/support/holes.h"
 #include "render/support/scene.h"
 
 namespace tilth::test {
 namespace {
 
 class WatertightGlTest : public GlTest {};
-
-/// Pixels of sky that are not connected (8 neighbours) to the picture's border. Above a height field sky is connected
-/// upwards, so each of them is a hole.
-int holes(const std::vector<std::uint8_t>& rgba, int width, int height) {
-    std::vector<char> open(static_cast<std::size_t>(width * height));
-    std::vector<int> queue;
-    int sky = 0, outside = 0;
-    const auto visit = [&](int x, int y) {
-        const std::size_t at = static_cast<std::size_t>(y * width + x);
-        if (x < 0 || y < 0 || x >= width || y >= height || open[at] || !is_magenta(&rgba[at * 4])) return;
-        open[at] = 1;
-        queue.push_back(y * width + x);
-    };
-    for (std::size_t i = 0; i < rgba.size(); i += 4) sky += is_magenta(&rgba[i]);
-    if (sky == 0) return 0;
-    for (int x = 0; x < width; ++x) visit(x, 0), visit(x, height - 1);
-    for (int y = 0; y < height; ++y) visit(0, y), visit(width - 1, y);
-    while (!queue.empty()) {
-        const int at = queue.back();
-        queue.pop_back();
-        ++outside;
-        for (int dy = -1; dy <= 1; ++dy)
-            for (int dx = -1; dx <= 1; ++dx) {
-                const int x = at % width + dx, y = at / width + dy;
-                if (x >= 0 && y >= 0 && x < width && y < height) visit(x, y);
-            }
-    }
-    return sky - outside;
-}
 
 struct Found {
     long holes = 0;
@@ -61,7 +33,7 @@ Found fly_over(Scene& scene, const Target& target, int frames, int first_frame =
         if (down) view.forward = {0, -1, 0};
         scene.renderer().debug().cull_back_faces = i % 2 == 0;
         const std::vector<std::uint8_t> picture = scene.picture(target, view);
-        const int in_frame = holes(picture, target.width(), target.height());
+        const long in_frame = sky_within_ground(picture, target.width(), target.height());
         if (in_frame > 0) keep_picture(text("holes_", i), picture, target.width(), target.height());
         found.holes += in_frame;
         int sky = 0;
@@ -126,7 +98,7 @@ TEST_F(WatertightGlTest, OddMapsHaveNoHole) {
             const double x = 5 + std::fmod(i * 97.31, 333), z = 5 + std::fmod(i * 61.77, 392);
             const double down = -0.15 - 0.012 * i;
             const View view = scene.view_from(x, z, 3 + i % 30, {std::cos(i * 0.7), down, std::sin(i * 0.7)});
-            EXPECT_EQ(holes(scene.picture(target, view), 240, 135), 0) << "frame " << i;
+            EXPECT_EQ(sky_within_ground(scene.picture(target, view), 240, 135), 0) << "frame " << i;
         }
     }
 }

@@ -138,7 +138,7 @@ public:
         Frame frame;
         for (int time = 0; time < times; ++time) {
             EXPECT_TRUE(terrain_->update(0));
-            target.clear(1, 0, 1);
+            target.clear(1, 0, 1, view.depth == DepthConvention::Reversed ? 0 : 1);
             query.begin();
             const Result<void> drawn = terrain_->draw(view, {.to_light = {0.5f, 0.45f, 0.3f}});
             query.end();
