@@ -1,6 +1,7 @@
 // The relief window is never stale: after any script of stamps, undo, walks, leaps and switches the picture is the one
 // that a terrain gives which got the same edits and fills its window for the first time.
 #include <gtest/gtest.h>
+#include <ostream>
 
 #include <cmath>
 #include <cstdint>
@@ -30,6 +31,8 @@ struct Case {
     HeightPrecision precision = HeightPrecision::bits32;
     SlopeFormat slopes = SlopeFormat::rg8;
     const char* name = "";
+
+    friend void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 };
 
 class ReliefScriptGlTest : public GlTest, public ::testing::WithParamInterface<Case> {
