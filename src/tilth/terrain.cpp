@@ -40,7 +40,7 @@ struct GpuStages {
 Result<void> has_room(const TerrainSettings& terrain, const DetailSettings& detail) {
     if (detail.backend == DetailBackend::None || !terrain.ground.detail || !check_clipmap(terrain.clipmap)) return {};
     const std::int32_t texels = terrain.ground.texels_per_post;
-    if (relief_reach(terrain.clipmap, 1, texels, detail.reach, 1e9).reach_m >= 1) return {};
+    if (relief_reach(terrain.clipmap, 1, texels, 1, 1e9).reach_m >= 1) return {};
     return Error{
         ErrorCode::InvalidArgument,
         text("detail.backend: ", name_of(detail.backend), " has not even a post about the eye to show relief in, with ",

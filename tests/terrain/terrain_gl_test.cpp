@@ -520,6 +520,22 @@ TEST_F(TerrainTest, NoDetailBackendLeavesATraceInTheHostsState) {
     if (tessellates) gl.PatchParameteri(GL_PATCH_VERTICES, 3);
 }
 
+// 64 texels a post: not one block of the finest level fits into the largest window.
+TEST_F(TerrainTest, ABackendWithoutRoomForReliefIsRefused) {
+    TerrainSettings made = settings(ExecutorKind::Cpu);
+    made.clipmap.n = 255;
+    made.ground.texels_per_post = 64;
+    const auto source = std::make_shared<FlatSource>(33, 0.0);
+    const std::unique_ptr<Terrain> ground = test::value(Terrain::create(source, made, get_proc()));
+    const Result<void> set = ground->set_detail({.backend = DetailBackend::Parallax});
+    ASSERT_FALSE(set);
+    EXPECT_EQ(set.error().code, ErrorCode::InvalidArgument);
+    EXPECT_EQ(set.error().message.rfind("detail.backend: parallax", 0), 0u) << set.error().message;
+    EXPECT_EQ(ground->detail(), DetailSettings());
+    made.detail.backend = DetailBackend::Geometry;
+    EXPECT_FALSE(Terrain::create(source, made, get_proc()));
+}
+
 TEST_F(TerrainTest, DetailSettingsOutOfRangeAreRefusedByTheFieldsNameAndChangeNothing) {
     const std::unique_ptr<Terrain> ground = terrain(ExecutorKind::Cpu);
     DetailSettings good = detail_preset(DetailBackend::Geometry, DetailPreset::High);
